@@ -1,0 +1,352 @@
+"""`Design`: the one object that carries a design's parameters to model, hardware and host.
+
+A design file (TOML, DESIGN section 4) is validated whole: every fault is named by its key and its
+allowed range, and all faults are reported together.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+import keyword
+import re
+import sys
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator
+from pydantic_core import ErrorDetails
+
+from sculler_model.coefficients import FAMILIES, FAMILY_SENSOR_KIND, MAX_SAMPLES, TapTable
+from sculler_model.errors import InputError
+from sculler_model.presets import PRESETS
+from sculler_model.wordlength import WordLengths, word_lengths
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+# Words a Verilog module may not be called, beside Python's own (which would surprise a test bench).
+_VERILOG_WORDS = frozenset(
+    "always and assign automatic begin buf bufif0 bufif1 case casex casez cell cmos config deassign"
+    " default defparam design disable edge else end endcase endconfig endfunction endgenerate"
+    " endmodule endprimitive endspecify endtable endtask event for force forever fork function"
+    " generate genvar highz0 highz1 if ifnone incdir include initial inout input instance integer"
+    " join large liblist library localparam macromodule medium module nand negedge nmos nor"
+    " noshowcancelled not notif0 notif1 or output parameter pmos posedge primitive pull0 pull1"
+    " pulldown pullup pulsestyle_ondetect pulsestyle_onevent rcmos real realtime reg release repeat"
+    " rnmos rpmos rtran rtranif0 rtranif1 scalared showcancelled signed small specify specparam"
+    " strong0 strong1 supply0 supply1 table task time tran tranif0 tranif1 tri tri0 tri1 triand"
+    " trior trireg unsigned use vectored wait wand weak0 weak1 while wire wor xnor xor clk rst"
+    # SystemVerilog's most likely clashes: Verilator reads the file as SystemVerilog
+    " bit byte int logic bool string class interface package program property sequence".split()
+)
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Axes(_Part):
+    """Word length and scale of three like sensor axes."""
+
+    bits: Annotated[int, Field(ge=8, le=32, description="a whole number from 8 to 32")]
+    lsb: Annotated[float, Field(gt=0, description="a number > 0 (SI units per count)")]
+
+
+class Sensor(_Part):
+    """What the sensor delivers."""
+
+    kind: Annotated[Literal["increment", "rate"], Field(description='"increment" or "rate"')]
+    sample_rate_hz: Annotated[float, Field(gt=0, le=1e9, description="a number > 0 and <= 1e9")]
+    gyro: Annotated[Axes, Field(description="a table with bits and lsb")]
+    accel: Annotated[Axes, Field(description="a table with bits and lsb")]
+
+
+class UserTable(_Part):
+    """The user's own tap table, in the form `sculler coefficients --json` prints."""
+
+    denominator: Annotated[int, Field(ge=1, description="a whole number >= 1")]
+    taps: Annotated[
+        list[int] | list[list[int]],
+        Field(min_length=1, description="n rows of whole numbers, or one flat row for phase n"),
+    ]
+    sum_denominator: Annotated[int, Field(ge=1, description="a whole number >= 1")] = 1
+    weights: Annotated[
+        list[int] | None, Field(description="up to n + 1 whole numbers, distance 0..n")
+    ] = None
+
+
+class Algorithm(_Part):
+    """The high-rate algorithm.  Field order matters: later ones are checked against earlier."""
+
+    samples: Annotated[
+        int, Field(ge=1, le=MAX_SAMPLES, description=f"a whole number from 1 to {MAX_SAMPLES}")
+    ]
+    history: Annotated[int, Field(ge=0, description="a whole number from 0 to samples")] = 0
+    minors: Annotated[int, Field(ge=1, le=4096, description="a whole number from 1 to 4096")]
+    family: Annotated[
+        Literal["frequency-taylor", "filtered-rate", "table"],
+        Field(description='"frequency-taylor", "filtered-rate" or "table"'),
+    ]
+    table: Annotated[
+        UserTable | None,
+        Field(description="a table with denominator and taps", validate_default=True),
+    ] = None
+
+    @field_validator("history")
+    @classmethod
+    def _history_in_samples(cls, history: int, info: ValidationInfo) -> int:
+        samples = info.data.get("samples")
+        if samples is not None and history > samples:
+            raise ValueError(
+                f"{history} is not allowed, give a whole number from 0 to samples = {samples}"
+            )
+        return history
+
+    @field_validator("family")
+    @classmethod
+    def _family_can_be_made(cls, family: str, info: ValidationInfo) -> str:
+        samples, history = info.data.get("samples"), info.data.get("history")
+        if family in FAMILIES and samples is not None and history is not None:
+            FAMILIES[family](samples, history)
+        return family
+
+    @field_validator("table")
+    @classmethod
+    def _table_is_consistent(
+        cls, table: UserTable | None, info: ValidationInfo
+    ) -> UserTable | None:
+        family, samples = info.data.get("family"), info.data.get("samples")
+        if family == "table" and table is None:
+            raise ValueError(
+                'missing, family = "table" needs [algorithm.table] with denominator and taps'
+            )
+        if family in FAMILIES and table is not None:
+            raise ValueError(
+                f'not used by family = "{family}", leave it out or give family = "table"'
+            )
+        if table is not None and samples is not None:
+            _user_table(table, samples)
+        return table
+
+
+class Hardware(_Part):
+    """How it becomes gates."""
+
+    core: Annotated[Literal["pipelined"], Field(description='"pipelined"')] = "pipelined"
+
+
+def _user_table(table: UserTable, samples: int) -> TapTable:
+    return TapTable.from_integers(
+        samples, table.denominator, table.taps, table.sum_denominator, table.weights
+    )
+
+
+class Design(_Part):
+    """A complete, valid design.
+
+    Build one with `Design.load` (file), `Design.parse` (mapping) or `Design.preset`.
+    Everything derived is an attribute: `table`, `words`, `samples_per_major`, scales and rates.
+    """
+
+    name: Annotated[str, Field(description="a Verilog name: letters, digits, single _")]
+    sensor: Annotated[Sensor, Field(description="a table")]
+    algorithm: Annotated[Algorithm, Field(description="a table")]
+    hardware: Annotated[Hardware, Field(description="a table")] = Hardware()
+
+    @field_validator("name")
+    @classmethod
+    def _name_is_usable(cls, name: str) -> str:
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", name) or "__" in name:
+            raise ValueError(
+                f"{name!r} is not allowed, give a letter, then up to 63 letters, digits or single _"
+            )
+        if name.lower() in _VERILOG_WORDS or keyword.iskeyword(name):
+            raise ValueError(f"{name!r} is a reserved word, give another name")
+        return name
+
+    @field_validator("algorithm")
+    @classmethod
+    def _family_fits_sensor(cls, algorithm: Algorithm, info: ValidationInfo) -> Algorithm:
+        sensor = info.data.get("sensor")
+        needed = FAMILY_SENSOR_KIND.get(algorithm.family)
+        if sensor is not None and needed is not None and sensor.kind != needed:
+            raise ValueError(
+                f'family = "{algorithm.family}" is for sensor.kind = "{needed}", but it is'
+                f' "{sensor.kind}"; change one of them'
+            )
+        return algorithm
+
+    @classmethod
+    def load(cls, path: str | Path) -> Design:
+        """Read and validate a design file.
+
+        Raises:
+            InputError: the file cannot be read, is not TOML, or has faults; all are named.
+        """
+        path = Path(path)
+        try:
+            data = tomllib.loads(path.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise InputError(
+                f"{path}: cannot read the design file ({error.strerror}), check the path"
+            ) from error
+        except UnicodeDecodeError as error:
+            raise InputError(f"{path}: not a text file in UTF-8, give a design in TOML") from error
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(f"{path}: not valid TOML: {error}") from error
+        return cls.parse(data, where=str(path))
+
+    @classmethod
+    def preset(cls, name: str, **algorithm: Any) -> Design:
+        """The design of a preset, with keys of [algorithm] replaced as given."""
+        return cls.parse({"preset": name, "algorithm": algorithm})
+
+    @classmethod
+    def parse(cls, data: dict[str, Any], where: str = "design") -> Design:
+        """Validate a mapping of the design file's shape.
+
+        `preset`, at the top or in [sensor], fills in whatever the mapping leaves out.
+
+        Raises:
+            InputError: with every fault, each named by its key and allowed range.
+        """
+        faults: list[str] = []
+        data = _with_preset(data, faults, where)
+        design = None
+        try:
+            design = cls.model_validate(data)
+        except ValidationError as error:
+            faults += [_fault(details) for details in error.errors()]
+        if faults or design is None:
+            raise InputError(f"{where}: " + "; ".join(dict.fromkeys(faults)))
+        return design
+
+    @cached_property
+    def table(self) -> TapTable:
+        """The tap table, exact integers in lowest terms."""
+        if self.algorithm.table is not None:
+            return _user_table(self.algorithm.table, self.algorithm.samples)
+        return FAMILIES[self.algorithm.family](self.algorithm.samples, self.algorithm.history)
+
+    @cached_property
+    def words(self) -> WordLengths:
+        """Worst-case range of every quantity the core holds."""
+        return word_lengths(
+            self.sensor.gyro.bits, self.sensor.accel.bits, self.algorithm.minors, self.table
+        )
+
+    @property
+    def samples_per_major(self) -> int:
+        """Samples of a major interval, n * M."""
+        return self.algorithm.samples * self.algorithm.minors
+
+    @property
+    def sample_interval(self) -> float:
+        """T, seconds."""
+        return 1.0 / self.sensor.sample_rate_hz
+
+    @property
+    def major_interval(self) -> float:
+        """Seconds between results."""
+        return self.samples_per_major / self.sensor.sample_rate_hz
+
+    @property
+    def gyro_scale(self) -> float:
+        """g, rad per count of the products (rate sensors: LSB * T)."""
+        lsb = self.sensor.gyro.lsb
+        return lsb if self.sensor.kind == "increment" else lsb * self.sample_interval
+
+    @property
+    def accel_scale(self) -> float:
+        """a, m/s per count of the products (rate sensors: LSB * T)."""
+        lsb = self.sensor.accel.lsb
+        return lsb if self.sensor.kind == "increment" else lsb * self.sample_interval
+
+    def as_json(self) -> dict[str, Any]:
+        """The design as plain data, the form `parse` reads."""
+        return self.model_dump(mode="json", exclude_none=True)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the design's content."""
+        return hashlib.sha256(json.dumps(self.as_json(), sort_keys=True).encode()).hexdigest()
+
+
+def _with_preset(data: dict[str, Any], faults: list[str], where: str) -> dict[str, Any]:
+    """Take `preset` out of the data and put what it stands for under the file's own entries."""
+    data = dict(data)
+    names = []
+    if "preset" in data:
+        names.append(("preset", data.pop("preset")))
+    sensor = data.get("sensor")
+    if isinstance(sensor, dict) and "preset" in sensor:
+        data["sensor"] = {key: value for key, value in sensor.items() if key != "preset"}
+        names.append(("sensor.preset", sensor["preset"]))
+    if not names:
+        return data
+    key, name = names[0]
+    if len(names) > 1 and names[1][1] != name:
+        faults.append(f"sensor.preset: {names[1][1]!r} and preset = {name!r} differ, give one")
+    if not isinstance(name, str) or name not in PRESETS:
+        known = ", ".join(sorted(PRESETS))
+        raise InputError(f"{where}: {key}: {name!r} is not known, give one of {known}")
+    base = PRESETS[name]
+    merged = _merge(base, data)
+    algorithm = merged.get("algorithm")
+    if "name" not in merged and isinstance(algorithm, dict):
+        merged["name"] = f"{name}_{algorithm.get('samples')}x{algorithm.get('minors')}"
+    return merged
+
+
+def _merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
+    merged = dict(base)
+    for key, value in over.items():
+        below = merged.get(key)
+        both = isinstance(below, dict) and isinstance(value, dict)
+        merged[key] = _merge(below, value) if both else value  # type: ignore[arg-type]
+    return merged
+
+
+def _fault(details: ErrorDetails) -> str:
+    """One pydantic error as `key: what is wrong, what is allowed`."""
+    path = [str(part) for part in details["loc"]]
+    part: type[BaseModel] = Design
+    allowed = ""
+    known: list[str] = []
+    key: list[str] = []
+    for step in path:
+        field = part.model_fields.get(step)
+        if field is None:
+            known = list(part.model_fields)
+            if details["type"] == "extra_forbidden":
+                key.append(step)
+            break
+        key.append(step)
+        allowed = field.description or ""
+        inner = next((c for c in _PARTS if c.__name__ in str(field.annotation)), None)
+        if inner is None:
+            break
+        part = inner
+    name = ".".join(key)
+    if details["type"] == "extra_forbidden":
+        near = difflib.get_close_matches(key[-1], known, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"the keys here are {', '.join(known)}"
+        return f"{name}: unknown key, {hint}"
+    if details["type"] == "missing":
+        return f"{name}: missing, give {allowed}"
+    if details["type"] == "value_error":
+        return f"{name}: {details['ctx']['error']}"
+    return f"{name}: {_short(details['input'])} is not allowed, give {allowed}"
+
+
+_PARTS: tuple[type[BaseModel], ...] = (Sensor, UserTable, Algorithm, Hardware, Axes)
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else text[:37] + "..."

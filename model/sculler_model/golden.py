@@ -1,0 +1,146 @@
+"""The reference model: the high-rate algorithm of DESIGN section 3 in plain integers.
+
+It is written to be held against the page line by line.  It knows nothing of the hardware and is
+not fast; `sculler_model.fast` is its fast twin and is tested equal to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.vectors import AXES, STATUS_FAULT, STATUS_SHORT_HISTORY, Result, Vec
+
+Sample = tuple[Vec, Vec, int]
+"""One six-axis reading: gyro counts, accelerometer counts, fault flag (0 or 1)."""
+
+
+def cross(a: Vec, b: Vec) -> Vec:
+    """a x b."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def plus(*vectors: Vec) -> Vec:
+    """Sum of vectors."""
+    x, y, z = (sum(component) for component in zip(*vectors, strict=True))
+    return (x, y, z)
+
+
+def times(factor: int, a: Vec) -> Vec:
+    """factor * a."""
+    return (factor * a[0], factor * a[1], factor * a[2])
+
+
+ZERO: Vec = (0, 0, 0)
+
+
+class GoldenModel:
+    """Exact coning/sculling accumulators for one design.
+
+    Feed samples one at a time with `step`; it returns the major interval's `Result` on the
+    interval's last sample, else None.  Sample history runs on across intervals until `reset`.
+    """
+
+    def __init__(self, design: Design) -> None:
+        self.design = design
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything: the next sample is the first, the next major interval is 0."""
+        self.t = 0  # running number of the next sample
+        self.s: list[Vec] = []  # gyro counts, newest last
+        self.r: list[Vec] = []  # accelerometer counts, newest last
+        self.major = 0
+        self._clear()
+
+    def _clear(self) -> None:
+        self.status = 0
+        self.alpha = self.coning_within = self.coning_between = ZERO
+        self.nu = self.sculling_within = self.sculling_between = ZERO
+
+    def _weighted_sum(self, coefficients: Iterable[tuple[int, int]], counts: list[Vec]) -> Vec:
+        """Sum of c * counts[t-d] over pairs (d, c); samples before the first one are zero."""
+        terms = [ZERO]
+        for d, c in coefficients:
+            if c == 0:
+                continue
+            if d > self.t:
+                self.status |= STATUS_SHORT_HISTORY
+            else:
+                terms.append(times(c, counts[-1 - d]))
+        return plus(*terms)
+
+    def step(self, gyro: Vec, accel: Vec, fault: int = 0) -> Result | None:
+        """Take the sample of time t.
+
+        Args:
+            gyro, accel: integer counts within the design's widths (signed).
+            fault: 1 marks the interval's status.
+
+        Raises:
+            InputError: a count does not fit the sensor's width.
+        """
+        table = self.design.table
+        self._check(gyro, accel)
+        self.s.append(gyro)
+        self.r.append(accel)
+        if fault:
+            self.status |= STATUS_FAULT
+        k = self.t % table.samples + 1  # phase in the minor interval, 1..n
+
+        # every sample
+        row = list(enumerate(table.taps[k - 1], start=1))
+        A = self._weighted_sum(row, self.s)
+        B = self._weighted_sum(row, self.r)
+        self.coning_within = plus(self.coning_within, cross(A, gyro))
+        self.sculling_within = plus(self.sculling_within, cross(A, accel), cross(B, gyro))
+
+        # every minor end
+        result = None
+        if k == table.samples:
+            weights = list(enumerate(table.weights))
+            theta = self._weighted_sum(weights, self.s)
+            v = self._weighted_sum(weights, self.r)
+            self.coning_between = plus(self.coning_between, cross(self.alpha, theta))
+            self.sculling_between = plus(
+                self.sculling_between, cross(self.alpha, v), cross(self.nu, theta)
+            )
+            self.alpha = plus(self.alpha, theta)
+            self.nu = plus(self.nu, v)
+
+            # every major end
+            if (self.t + 1) % self.design.samples_per_major == 0:
+                result = Result(
+                    self.major,
+                    self.status,
+                    self.alpha,
+                    self.coning_within,
+                    self.coning_between,
+                    self.nu,
+                    self.sculling_within,
+                    self.sculling_between,
+                )
+                self.major += 1
+                self._clear()
+
+        self.t += 1
+        del self.s[: -table.history - 1], self.r[: -table.history - 1]
+        return result
+
+    def run(self, samples: Iterable[Sample]) -> Iterator[Result]:
+        """Results of all complete major intervals of a sequence of samples."""
+        for gyro, accel, fault in samples:
+            result = self.step(gyro, accel, fault)
+            if result is not None:
+                yield result
+
+    def _check(self, gyro: Vec, accel: Vec) -> None:
+        words = self.design.words
+        for name, counts, allowed in (("gyro", gyro, words.gyro), ("accel", accel, words.accel)):
+            for axis, count in zip(AXES, counts, strict=True):
+                if count not in allowed:
+                    raise InputError(
+                        f"sample {self.t}: {name}_{axis} = {count} does not fit"
+                        f" {allowed.bits} bits, give {allowed.lo} to {allowed.hi}"
+                    )

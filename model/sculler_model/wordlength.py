@@ -1,0 +1,155 @@
+"""Worst-case word lengths: why no input sequence can overflow the core.
+
+Every quantity gets the exact interval that integer interval arithmetic gives it over *all* input
+sequences, the most negative count included.  A signed register wide enough for the interval
+therefore holds every value that can occur: that is the whole proof (DESIGN, "Word lengths").
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import reduce
+
+from sculler_model.coefficients import TapTable
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A closed range of integers with exact interval arithmetic."""
+
+    lo: int
+    hi: int
+
+    def __post_init__(self) -> None:
+        if self.lo > self.hi:
+            raise ValueError(f"empty interval {self.lo}..{self.hi}")
+
+    @classmethod
+    def signed(cls, bits: int) -> Interval:
+        """All values of a two's-complement word."""
+        return cls(-(1 << (bits - 1)), (1 << (bits - 1)) - 1)
+
+    @property
+    def bits(self) -> int:
+        """Narrowest two's-complement width that holds the interval (at least 1)."""
+        return (
+            max(
+                self.lo.bit_length() if self.lo >= 0 else (~self.lo).bit_length(),
+                self.hi.bit_length() if self.hi >= 0 else (~self.hi).bit_length(),
+            )
+            + 1
+        )
+
+    def __contains__(self, value: int) -> bool:
+        return self.lo <= value <= self.hi
+
+    def __add__(self, other: Interval) -> Interval:
+        return Interval(self.lo + other.lo, self.hi + other.hi)
+
+    def __neg__(self) -> Interval:
+        return Interval(-self.hi, -self.lo)
+
+    def __sub__(self, other: Interval) -> Interval:
+        return self + -other
+
+    def __mul__(self, other: Interval) -> Interval:
+        ends = [a * b for a in (self.lo, self.hi) for b in (other.lo, other.hi)]
+        return Interval(min(ends), max(ends))
+
+    def scaled(self, factor: int) -> Interval:
+        """The interval of factor * x for one x (not of a sum of different ones)."""
+        return self * Interval(factor, factor)
+
+    def repeated(self, count: int) -> Interval:
+        """The interval of a sum of `count` values, each anywhere in this one."""
+        return Interval(self.lo * count, self.hi * count)
+
+    def __or__(self, other: Interval) -> Interval:
+        """The smallest interval holding both."""
+        return Interval(min(self.lo, other.lo), max(self.hi, other.hi))
+
+
+ZERO = Interval(0, 0)
+
+
+def total(intervals: list[Interval]) -> Interval:
+    """Interval of the sum of independent values."""
+    return reduce(Interval.__add__, intervals, ZERO)
+
+
+def cross(left: Interval, right: Interval) -> Interval:
+    """Interval of one component of a cross product: left_y right_z - left_z right_y."""
+    return left * right - left * right
+
+
+@dataclass(frozen=True)
+class WordLengths:
+    """Ranges of everything the high-rate algorithm holds, per vector component.
+
+    Built by `word_lengths`; widths are ``.bits`` of each, two's complement.
+    """
+
+    gyro: Interval
+    accel: Interval
+    gyro_taps: Interval
+    """A, the tapped gyro sum (any phase with a non-zero row)."""
+    accel_taps: Interval
+    """B, the tapped accelerometer sum."""
+    theta: Interval
+    v: Interval
+    alpha: Interval
+    nu: Interval
+    coning_within: Interval
+    coning_between: Interval
+    sculling_within: Interval
+    sculling_between: Interval
+
+
+def word_lengths(gyro_bits: int, accel_bits: int, minors: int, table: TapTable) -> WordLengths:
+    """Worst-case ranges of a design.
+
+    Every interval below contains 0, because counts take both signs, so the partial sums on the way
+    to each total stay inside the total's interval: an accumulator as wide as its total is enough.
+
+    Args:
+        gyro_bits, accel_bits: widths of the counts, two's complement.
+        minors: M, minor intervals in a major interval.
+        table: the tap table.
+    """
+    gyro, accel = Interval.signed(gyro_bits), Interval.signed(accel_bits)
+
+    def tapped(counts: Interval, phase: int) -> Interval:
+        return total([counts.scaled(c) for c in table.taps[phase - 1]])
+
+    def weighted(counts: Interval) -> Interval:
+        return total([counts.scaled(w) for w in table.weights])
+
+    phases = table.active_phases
+    gyro_taps = reduce(Interval.__or__, (tapped(gyro, k) for k in phases), ZERO)
+    accel_taps = reduce(Interval.__or__, (tapped(accel, k) for k in phases), ZERO)
+    coning_within = sculling_within = ZERO
+    for k in phases:
+        a, b = tapped(gyro, k), tapped(accel, k)
+        coning_within += cross(a, gyro).repeated(minors)
+        sculling_within += (cross(a, accel) + cross(b, gyro)).repeated(minors)
+
+    theta, v = weighted(gyro), weighted(accel)
+    coning_between = sculling_between = ZERO
+    for minor in range(minors):
+        alpha, nu = theta.repeated(minor), v.repeated(minor)
+        coning_between += cross(alpha, theta)
+        sculling_between += cross(alpha, v) + cross(nu, theta)
+    return WordLengths(
+        gyro=gyro,
+        accel=accel,
+        gyro_taps=gyro_taps,
+        accel_taps=accel_taps,
+        theta=theta,
+        v=v,
+        alpha=theta.repeated(minors),
+        nu=v.repeated(minors),
+        coning_within=coning_within,
+        coning_between=coning_between,
+        sculling_within=sculling_within,
+        sculling_between=sculling_between,
+    )
