@@ -1,0 +1,91 @@
+"""Many results at once, as arrays: what the fast model, the simulators and the host exchange."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.design import Design
+from sculler_model.vectors import COLUMNS, COMPONENTS, VECTORS, Result
+
+
+def component_dtype(design: Design) -> np.dtype[np.generic]:
+    """int64 where every component of the design fits it, else object (Python integers)."""
+    widest = max(getattr(design.words, vector).bits for vector in VECTORS)
+    return np.dtype(np.int64) if widest <= 64 else np.dtype(object)
+
+
+@dataclass(frozen=True)
+class VectorBlock:
+    """Results of consecutive major intervals.
+
+    Attributes:
+        major: (R,) int64, counting from 0 after reset.
+        status: (R,) int64, bit set (see `sculler_model.vectors`).
+        components: (R, 18) exact integers in the order of `COMPONENTS`; int64, or object where
+            the numbers may pass 64 bits.
+    """
+
+    major: NDArray[np.int64]
+    status: NDArray[np.int64]
+    components: NDArray[np.generic]
+
+    @classmethod
+    def empty(cls, dtype: np.dtype[np.generic]) -> VectorBlock:
+        """A block of no results."""
+        none = np.zeros(0, np.int64)
+        return cls(none, none, np.zeros((0, len(COMPONENTS)), dtype))
+
+    @classmethod
+    def from_results(
+        cls, results: Sequence[Result], dtype: np.dtype[np.generic] | None = None
+    ) -> VectorBlock:
+        """Collect results of the reference model; dtype object if not given."""
+        dtype = dtype or np.dtype(object)
+        if not results:
+            return cls.empty(dtype)
+        rows = np.array([result.row() for result in results], dtype=object)
+        return cls(
+            rows[:, 0].astype(np.int64), rows[:, 1].astype(np.int64), rows[:, 2:].astype(dtype)
+        )
+
+    @classmethod
+    def concatenate(cls, blocks: Sequence[VectorBlock]) -> VectorBlock:
+        """Join blocks in order.
+
+        Raises:
+            ValueError: there is no block.
+        """
+        return cls(
+            np.concatenate([block.major for block in blocks]),
+            np.concatenate([block.status for block in blocks]),
+            np.concatenate([block.components for block in blocks]),
+        )
+
+    def __len__(self) -> int:
+        return len(self.major)
+
+    def vector(self, name: str) -> NDArray[np.generic]:
+        """One of `VECTORS`, (R, 3)."""
+        first = 3 * VECTORS.index(name)
+        return self.components[:, first : first + 3]
+
+    def rows(self) -> Iterator[tuple[int, ...]]:
+        """Python integers in the order of `COLUMNS`, row by row."""
+        columns = zip(
+            self.major.tolist(), self.status.tolist(), self.components.tolist(), strict=True
+        )
+        for major, status, components in columns:
+            yield (major, status, *components)
+
+    def first_difference(self, other: VectorBlock) -> tuple[int, str, int, int] | None:
+        """First unequal value as (row, column, ours, theirs), or None; compares the common rows."""
+        for row, (ours, theirs) in enumerate(zip(self.rows(), other.rows(), strict=False)):
+            if ours != theirs:
+                column = next(c for c, a, b in zip(COLUMNS, ours, theirs, strict=True) if a != b)
+                at = COLUMNS.index(column)
+                return row, column, ours[at], theirs[at]
+        return None
