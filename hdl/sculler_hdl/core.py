@@ -66,8 +66,10 @@ class PipelinedCore(wiring.Component):
         self.accel_history = History(words.accel, table.history)
         self.gyro_taps, self.accel_taps = weighted(tap_rows, words.gyro_taps, words.accel_taps)
         self.theta, self.v = weighted(weight_rows, words.theta, words.v)
-        self.alpha = Accumulator(words.theta, words.alpha)
-        self.nu = Accumulator(words.v, words.nu)
+        # alpha and nu before the last minor interval's, which is all the between products see
+        alpha, nu = (item.repeated(design.algorithm.minors - 1) for item in (words.theta, words.v))
+        self.alpha = Accumulator(words.theta, words.alpha, alpha)
+        self.nu = Accumulator(words.v, words.nu, nu)
         self.cross = {
             "coning_within": CrossSum((words.gyro_taps, words.gyro)),
             "sculling_within": CrossSum(
@@ -76,8 +78,8 @@ class PipelinedCore(wiring.Component):
         }
         if words.coning_between != ZERO:  # M > 1
             self.cross |= {
-                "coning_between": CrossSum((words.alpha, words.theta)),
-                "sculling_between": CrossSum((words.alpha, words.v), (words.nu, words.theta)),
+                "coning_between": CrossSum((alpha, words.theta)),
+                "sculling_between": CrossSum((alpha, words.v), (nu, words.theta)),
             }
         self.handover = HandOver(words)
 
@@ -126,7 +128,15 @@ class PipelinedCore(wiring.Component):
         if self.gyro_taps.phased:
             phase = delayed("phase", sequencer.phase, sequencer.phase.shape(), History.latency)
         at_sums = delayed("flags_sums", in_history, FLAGS, self.sum_latency, resets=True)
-        at_totals = delayed("flags_cross", at_sums, FLAGS, self.cross_latency, resets=True)
+        late = ["valid", "start", "tapped", "major_end", "short", "fault"]
+        if "coning_between" in self.cross:
+            late.append("minor_end")
+        at_totals = {
+            name: delayed(
+                f"{name}_cross", at_sums[name], unsigned(1), self.cross_latency, resets=True
+            )
+            for name in late
+        }
 
         # A, B, theta, v and the sample itself, all at the same clock
         def summed(name: str, part: WeightedSum, history: History) -> Value:
@@ -164,6 +174,7 @@ class PipelinedCore(wiring.Component):
             "alpha": delayed("alpha", self.alpha.total, vector(words.alpha), self.cross_latency),
             "nu": delayed("nu", self.nu.total, vector(words.nu), self.cross_latency),
         }
+        within = ("coning_within", "sculling_within")
         for name, part in self.cross.items():
             m.submodules[f"{name}_cross"] = part
             m.d.comb += [getattr(part, port).eq(value) for port, value in operands[name].items()]
@@ -171,22 +182,20 @@ class PipelinedCore(wiring.Component):
             accumulator = Accumulator(part.result, getattr(words, name))
             m.submodules[name] = accumulator
             m.d.comb += [
-                accumulator.step.eq(at_totals.valid),
-                accumulator.start.eq(at_totals.start),
-                accumulator.add.eq(
-                    at_totals.tapped if name.endswith("within") else at_totals.minor_end
-                ),
+                accumulator.step.eq(at_totals["valid"]),
+                accumulator.start.eq(at_totals["start"]),
+                accumulator.add.eq(at_totals["tapped" if name in within else "minor_end"]),
                 accumulator.input.eq(delayed(name, part.output, vector(part.result), lag)),
             ]
             totals[name] = accumulator.total
 
         # status, and the hand-over in the clock after the interval's last addition
         status = Signal(2)
-        news = Cat(at_totals.short, at_totals.fault)  # STATUS_SHORT_HISTORY, STATUS_FAULT
-        with m.If(at_totals.valid):
-            m.d.sync += status.eq(Mux(at_totals.start, 0, status) | news)
+        news = Cat(at_totals["short"], at_totals["fault"])  # STATUS_SHORT_HISTORY, STATUS_FAULT
+        with m.If(at_totals["valid"]):
+            m.d.sync += status.eq(Mux(at_totals["start"], 0, status) | news)
         load = Signal()
-        m.d.sync += load.eq(at_totals.major_end)
+        m.d.sync += load.eq(at_totals["major_end"])
         m.d.comb += [
             handover.load.eq(load),
             handover.input_status.eq(status),

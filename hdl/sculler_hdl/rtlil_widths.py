@@ -7,8 +7,8 @@ of a flat RTLIL module so that both operands and the result are equally wide:
 * a sum whose top bits nobody reads loses them (it is exact modulo 2^width all the same),
 * narrower operands are extended by their sign, or by zeros.
 
-Products are left alone: synthesisers size multipliers by the operands' widths, and linters accept
-them.
+Products lose unread top bits too, but their operands are left alone: synthesisers size multipliers
+by the operands' widths, and linters accept them.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def equal_widths(rtlil: str) -> str:
 
     def rewrite(match: re.Match[str]) -> str:
         lines = match[0].splitlines()
-        if lines[0].split()[1] not in (*_SUMS, *_COMPARISONS, "$logic_not"):
+        if lines[0].split()[1] not in (*_SUMS, "$mul", *_COMPARISONS, "$logic_not"):
             return match[0]
         cell = _Cell.parse(lines)
         _equalise(cell, widths, needed)
@@ -87,7 +87,7 @@ def _needed_widths(rtlil: str, widths: dict[str, int]) -> dict[str, int]:
     for line in rtlil.splitlines():
         if line.startswith("  cell "):
             kind = line.split()[1]
-        elif line.startswith("    connect \\Y ") and kind in _SUMS:
+        elif line.startswith("    connect \\Y ") and kind in (*_SUMS, "$mul"):
             sums.add(line.split(maxsplit=2)[2])
         elif line.lstrip().startswith("connect "):
             _, first, rest = line.split(maxsplit=2)
@@ -107,8 +107,10 @@ def _equalise(cell: _Cell, widths: dict[str, int], needed: dict[str, int]) -> No
         bits = parameters["A_WIDTH"]
         parameters |= {"A_SIGNED": 0, "B_SIGNED": 0, "B_WIDTH": bits}
         connections["B"] = f"{bits}'{'0' * bits}"
-    if cell.kind in _SUMS:
+    if cell.kind in (*_SUMS, "$mul"):
         width = parameters["Y_WIDTH"] = needed.get(connections["Y"], parameters["Y_WIDTH"])
+        if cell.kind == "$mul":
+            return
     else:
         width = max(parameters["A_WIDTH"], parameters["B_WIDTH"])
     signed = parameters["A_SIGNED"] and parameters["B_SIGNED"]

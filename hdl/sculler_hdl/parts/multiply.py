@@ -8,7 +8,7 @@ from sculler_model.wordlength import Interval
 
 
 class Multiplier(wiring.Component):
-    """output = left * right, exact.
+    """output = left * right, exact, as wide as the product of the ranges.
 
     Registers before, behind and once inside, for the synthesiser to place in its multiplier
     blocks.  Latency 3, one product per clock.
@@ -25,7 +25,7 @@ class Multiplier(wiring.Component):
             {
                 "left": In(signed(left.bits)),
                 "right": In(signed(right.bits)),
-                "output": Out(signed(left.bits + right.bits)),
+                "output": Out(signed(self.result.bits)),
             }
         )
 
