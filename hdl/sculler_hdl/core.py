@@ -13,17 +13,47 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.parts.accumulate import Accumulator
-from sculler_hdl.parts.cross import CrossSum
+from sculler_hdl.parts.cross import CrossSum, cross_latency
 from sculler_hdl.parts.delay import Delay
 from sculler_hdl.parts.handover import HandOver
 from sculler_hdl.parts.history import History
 from sculler_hdl.parts.layout import FLAGS, vector
 from sculler_hdl.parts.sequencer import Sequencer
-from sculler_hdl.parts.weighted_sum import WeightedSum
+from sculler_hdl.parts.weighted_sum import Rows, WeightedSum, terms_of, tree_latency
+from sculler_model.coefficients import TapTable
 from sculler_model.cycles import PORT_MAJOR_BITS
 from sculler_model.design import Design
 from sculler_model.vectors import AXES, VECTORS
 from sculler_model.wordlength import ZERO, Interval
+
+
+def tap_rows(table: TapTable) -> Rows:
+    """The table's non-zero rows, for the sums A and B."""
+    return {
+        k - 1: [(d, c) for d, c in enumerate(table.taps[k - 1], start=1) if c]
+        for k in table.active_phases
+    }
+
+
+def weight_rows(table: TapTable) -> Rows:
+    """The weights as the row of phase n, for the sums theta and v."""
+    return {table.samples - 1: [(d, w) for d, w in enumerate(table.weights) if w]}
+
+
+def sum_latency(table: TapTable) -> int:
+    """Clocks from the history to A, B, theta and v, which all arrive together."""
+    return max(tree_latency(terms_of(rows)) for rows in (tap_rows(table), weight_rows(table)))
+
+
+def core_latency(design: Design) -> int:
+    """Clocks from the one that takes an interval's last sample to the first showing its result."""
+    return (
+        History.latency
+        + sum_latency(design.table)
+        + cross_latency(2)
+        + Accumulator.latency
+        + HandOver.latency
+    )
 
 
 class PipelinedCore(wiring.Component):
@@ -39,33 +69,26 @@ class PipelinedCore(wiring.Component):
     an interval waits until the previous result has been taken.
 
     Attributes:
-        latency: clocks from the one that takes an interval's last sample to the first that shows
-            its result.
+        latency: see `core_latency`.
     """
 
     def __init__(self, design: Design) -> None:
         self.design = design
         words, table = design.words, design.table
-        n = table.samples
-        tap_rows = {
-            k - 1: [(d, c) for d, c in enumerate(table.taps[k - 1], start=1) if c]
-            for k in table.active_phases
-        }
-        weight_rows = {n - 1: [(d, w) for d, w in enumerate(table.weights) if w]}
 
-        def weighted(
-            rows: dict[int, list[tuple[int, int]]], gyro: Interval, accel: Interval
-        ) -> list[WeightedSum]:
+        def weighted(rows: Rows, gyro: Interval, accel: Interval) -> list[WeightedSum]:
             return [
-                WeightedSum(counts, table.history, rows, result, n)
+                WeightedSum(counts, table.history, rows, result, table.samples)
                 for counts, result in ((words.gyro, gyro), (words.accel, accel))
             ]
 
         self.sequencer = Sequencer(design)
         self.gyro_history = History(words.gyro, table.history)
         self.accel_history = History(words.accel, table.history)
-        self.gyro_taps, self.accel_taps = weighted(tap_rows, words.gyro_taps, words.accel_taps)
-        self.theta, self.v = weighted(weight_rows, words.theta, words.v)
+        self.gyro_taps, self.accel_taps = weighted(
+            tap_rows(table), words.gyro_taps, words.accel_taps
+        )
+        self.theta, self.v = weighted(weight_rows(table), words.theta, words.v)
         # alpha and nu before the last minor interval's, which is all the between products see
         alpha, nu = (item.repeated(design.algorithm.minors - 1) for item in (words.theta, words.v))
         self.alpha = Accumulator(words.theta, words.alpha, alpha)
@@ -83,20 +106,13 @@ class PipelinedCore(wiring.Component):
             }
         self.handover = HandOver(words)
 
-        self.sum_latency = max(self.gyro_taps.latency, self.theta.latency)
-        self.cross_latency = max(part.latency for part in self.cross.values())
-        self.latency = (
-            History.latency
-            + self.sum_latency
-            + self.cross_latency
-            + Accumulator.latency
-            + HandOver.latency
-        )
+        self.latency = core_latency(design)
         super().__init__(port_members(design))
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
         words = self.design.words
+        sums, products = sum_latency(self.design.table), cross_latency(2)
         sequencer, handover = self.sequencer, self.handover
         m.submodules.sequencer = sequencer
         m.submodules.handover = handover
@@ -127,14 +143,12 @@ class PipelinedCore(wiring.Component):
         phase = C(0)
         if self.gyro_taps.phased:
             phase = delayed("phase", sequencer.phase, sequencer.phase.shape(), History.latency)
-        at_sums = delayed("flags_sums", in_history, FLAGS, self.sum_latency, resets=True)
+        at_sums = delayed("flags_sums", in_history, FLAGS, sums, resets=True)
         late = ["valid", "start", "tapped", "major_end", "short", "fault"]
         if "coning_between" in self.cross:
             late.append("minor_end")
         at_totals = {
-            name: delayed(
-                f"{name}_cross", at_sums[name], unsigned(1), self.cross_latency, resets=True
-            )
+            name: delayed(f"{name}_cross", at_sums[name], unsigned(1), products, resets=True)
             for name in late
         }
 
@@ -143,14 +157,14 @@ class PipelinedCore(wiring.Component):
             m.submodules[name] = part
             m.d.comb += [part.samples.eq(history.output), part.phase.eq(phase)]
             shape = vector(part.result)
-            return delayed(name, part.output, shape, self.sum_latency - part.latency)
+            return delayed(name, part.output, shape, sums - part.latency)
 
         A = summed("gyro_taps", self.gyro_taps, self.gyro_history)
         B = summed("accel_taps", self.accel_taps, self.accel_history)
         theta = summed("theta", self.theta, self.gyro_history)
         v = summed("v", self.v, self.accel_history)
-        s = delayed("s", self.gyro_history.output[0], vector(words.gyro), self.sum_latency)
-        r = delayed("r", self.accel_history.output[0], vector(words.accel), self.sum_latency)
+        s = delayed("s", self.gyro_history.output[0], vector(words.gyro), sums)
+        r = delayed("r", self.accel_history.output[0], vector(words.accel), sums)
 
         # alpha and nu: `before` is what the between products take
         for name, part, item in (("alpha", self.alpha, theta), ("nu", self.nu, v)):
@@ -171,14 +185,14 @@ class PipelinedCore(wiring.Component):
             "sculling_between": {"left0": alpha, "right0": v, "left1": nu, "right1": theta},
         }
         totals = {
-            "alpha": delayed("alpha", self.alpha.total, vector(words.alpha), self.cross_latency),
-            "nu": delayed("nu", self.nu.total, vector(words.nu), self.cross_latency),
+            "alpha": delayed("alpha", self.alpha.total, vector(words.alpha), products),
+            "nu": delayed("nu", self.nu.total, vector(words.nu), products),
         }
         within = ("coning_within", "sculling_within")
         for name, part in self.cross.items():
             m.submodules[f"{name}_cross"] = part
             m.d.comb += [getattr(part, port).eq(value) for port, value in operands[name].items()]
-            lag = self.cross_latency - part.latency
+            lag = products - part.latency
             accumulator = Accumulator(part.result, getattr(words, name))
             m.submodules[name] = accumulator
             m.d.comb += [

@@ -226,6 +226,9 @@ class Design(_Part):
             raise InputError(f"{where}: " + "; ".join(dict.fromkeys(faults)))
         return design
 
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
     @cached_property
     def table(self) -> TapTable:
         """The tap table, exact integers in lowest terms."""

@@ -9,12 +9,17 @@ from sculler_hdl.parts.multiply import Multiplier
 from sculler_model.wordlength import ZERO, Interval, cross
 
 
+def cross_latency(pairs: int) -> int:
+    """Clocks of a sum of `pairs` cross products: multiply, subtract, and add if there are two."""
+    return Multiplier.latency + pairs
+
+
 class CrossSum(wiring.Component):
     """output = left0 x right0 (+ left1 x right1), exact, six multipliers a product.
 
     Members are left0, right0, left1, right1, output; vectors of three.
 
-    Latency: the multiplier's, 1 for the subtraction and, with two products, 1 for the addition.
+    Latency: `cross_latency`; one sum per clock.
 
     Args:
         pairs: the operands' ranges, one or two pairs.
@@ -26,7 +31,7 @@ class CrossSum(wiring.Component):
         self.pairs = pairs
         self.products = [cross(left, right) for left, right in pairs]
         self.result = sum(self.products, ZERO)
-        self.latency = Multiplier.latency + len(pairs)
+        self.latency = cross_latency(len(pairs))
         members = {}
         for i, (left, right) in enumerate(pairs):
             members[f"left{i}"] = In(vector(left))

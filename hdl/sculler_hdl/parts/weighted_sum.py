@@ -10,6 +10,9 @@ from amaranth.lib.wiring import In, Out
 from sculler_hdl.parts.layout import is_one_of, vector
 from sculler_model.wordlength import Interval
 
+Rows = Mapping[int, Sequence[tuple[int, int]]]
+"""Phase (0..n-1) -> pairs (distance, coefficient) that are not zero."""
+
 
 def signed_digits(value: int) -> list[tuple[int, int]]:
     """Canonical signed digits of an integer as (shift, +1 or -1), fewest possible, low first."""
@@ -35,11 +38,11 @@ class Term:
     phases: tuple[int, ...]
 
 
-def terms_of(rows: Mapping[int, Sequence[tuple[int, int]]]) -> list[Term]:
+def terms_of(rows: Rows) -> list[Term]:
     """The shifted samples that make up the rows.
 
     Args:
-        rows: phase (0..n-1) -> pairs (distance, coefficient); phases left out do not matter.
+        rows: the coefficients; phases left out do not matter.
     """
     phases: dict[tuple[int, int, int], list[int]] = {}
     for phase, row in rows.items():
@@ -49,6 +52,11 @@ def terms_of(rows: Mapping[int, Sequence[tuple[int, int]]]) -> list[Term]:
     return [Term(*key, tuple(when)) for key, when in sorted(phases.items())]
 
 
+def tree_latency(terms: Sequence[Term]) -> int:
+    """Clocks to add the terms two by two, with a register after every addition; at least 1."""
+    return max((len(terms) - 1).bit_length(), 1)
+
+
 class WeightedSum(wiring.Component):
     """sum over d of c[k][d] * sample[t-d] for three axes, by shifts and additions, no multiplier.
 
@@ -56,13 +64,12 @@ class WeightedSum(wiring.Component):
     with a register after every addition.  Every node is as wide as the result at most: the true
     sum fits there, so what an intermediate node drops modulo 2^width cannot matter.
 
-    Latency: the depth of the tree, ceil(log2(terms)) clocks, at least 1; one sum per clock.
+    Latency: the depth of the tree (`tree_latency`); one sum per clock.
 
     Args:
         counts: range of one count.
         reach: furthest distance on the `samples` port.
-        rows: phase (0..n-1) -> pairs (distance, coefficient).  In phases not named the output
-            means nothing.
+        rows: the coefficients.  In phases left out the output means nothing.
         result: range of the sum.
         phase_count: n, for the width of `phase`.
 
@@ -74,7 +81,7 @@ class WeightedSum(wiring.Component):
         self,
         counts: Interval,
         reach: int,
-        rows: Mapping[int, Sequence[tuple[int, int]]],
+        rows: Rows,
         result: Interval,
         phase_count: int,
     ) -> None:
@@ -82,7 +89,7 @@ class WeightedSum(wiring.Component):
         self.rows = dict(rows)
         self.result = result
         self.terms = terms_of(self.rows)
-        self.latency = max((len(self.terms) - 1).bit_length(), 1)
+        self.latency = tree_latency(self.terms)
         self.phased = any(len(term.phases) < len(self.rows) for term in self.terms)
         super().__init__(
             {
