@@ -1,0 +1,143 @@
+"""What the host makes of a major interval's integers: rotation vector and velocity increment.
+
+Only here do scale factors and denominators enter, in double precision, once a major interval
+(DESIGN section 3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.blocks import VectorBlock
+from sculler_model.design import Design
+
+if TYPE_CHECKING:  # navigation builds on this module
+    from sculler_model.navigation.rotation import AxisMap
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MajorIncrements:
+    """Increments over R consecutive major intervals.
+
+    Attributes:
+        phi: (R, 3) rotation vector over the interval, rad: the body's attitude at the end against
+            its attitude at the start, relative to inertial space.
+        alpha: (R, 3) integral of the angular rate over the interval, rad.
+        dv_sf: (R, 3) integral of the specific force, m/s, in the body frame at the START of the
+            interval, held fixed in inertial space.
+    """
+
+    phi: Array
+    alpha: Array
+    dv_sf: Array
+
+    def __len__(self) -> int:
+        return len(self.phi)
+
+    def __getitem__(self, part: slice) -> MajorIncrements:
+        """Consecutive intervals."""
+        return MajorIncrements(self.phi[part], self.alpha[part], self.dv_sf[part])
+
+    def in_axes(self, axes: AxisMap) -> MajorIncrements:
+        """The same increments in body axes, from the sensor's."""
+        return MajorIncrements(*map(axes.apply, (self.phi, self.alpha, self.dv_sf)))
+
+    @classmethod
+    def concatenate(cls, parts: list[MajorIncrements]) -> MajorIncrements:
+        """Join in order.
+
+        Raises:
+            ValueError: there is no part.
+        """
+        return cls(
+            np.concatenate([part.phi for part in parts]),
+            np.concatenate([part.alpha for part in parts]),
+            np.concatenate([part.dv_sf for part in parts]),
+        )
+
+
+def major_increments(design: Design, block: VectorBlock) -> MajorIncrements:
+    """φ, α and ΔV_SF of each major interval of a block, in the sensor's axes.
+
+        φ     = g alpha/Dw + g² (coning_within/Dc + coning_between/(2 Dw²))
+        ΔV_SF = υ + ΔV_rot(α, υ) + a g (sculling_within/Dc + sculling_between/(2 Dw²))
+
+    with g and a the scales of gyro and accelerometer counts (Savage-98 Eq. 37, with Eq. 51 for
+    the rotation; Yang Eq. 14 with the half that his Eq. 20a lacks).
+    """
+    g, a = design.gyro_scale, design.accel_scale
+    alpha, upsilon = _sums(design, block)
+    coning, sculling = _correction(design, block, "coning"), _correction(design, block, "sculling")
+    return MajorIncrements(
+        phi=alpha + g * g * coning,
+        alpha=alpha,
+        dv_sf=upsilon + velocity_rotation(alpha, upsilon) + a * g * sculling,
+    )
+
+
+def uncorrected(design: Design, block: VectorBlock) -> MajorIncrements:
+    """What an integrator gets that knows nothing of coning and sculling.
+
+    It sees only the sums: φ = α, and ΔV_SF = υ + ΔV_rot(α, υ), since the rotation compensation
+    needs no more than the sums either.
+    """
+    alpha, upsilon = _sums(design, block)
+    return MajorIncrements(alpha, alpha, upsilon + velocity_rotation(alpha, upsilon))
+
+
+def _sums(design: Design, block: VectorBlock) -> tuple[Array, Array]:
+    """α (rad) and υ (m/s), each (R, 3)."""
+    weight_unit = design.table.sum_denominator
+    alpha = block.vector("alpha").astype(np.float64) * (design.gyro_scale / weight_unit)
+    upsilon = block.vector("nu").astype(np.float64) * (design.accel_scale / weight_unit)
+    return alpha, upsilon
+
+
+def _correction(design: Design, block: VectorBlock, name: str) -> Array:
+    """Within plus between, (R, 3), in counts²."""
+    table = design.table
+    within = block.vector(f"{name}_within").astype(np.float64) / table.denominator
+    between = block.vector(f"{name}_between").astype(np.float64) / (2 * table.sum_denominator**2)
+    corrections: Array = within + between
+    return corrections
+
+
+def velocity_rotation(alpha: Array, upsilon: Array) -> Array:
+    """ΔV_rot(α, υ), exact for constant rate and specific force (Savage-98 Eq. 51).
+
+    Args:
+        alpha, upsilon: (R, 3), rad and m/s.
+
+    Returns:
+        (R, 3) m/s, in the body frame at the start of the interval.
+    """
+    angle = np.sqrt(np.sum(alpha * alpha, axis=1, keepdims=True))
+    first = np.cross(alpha, upsilon)
+    second = np.cross(alpha, first)
+    result: Array = one_minus_cosine(angle) * first + one_minus_sine(angle) * second
+    return result
+
+
+def one_minus_cosine(x: Array) -> Array:
+    """(1 - cos x)/x², to rounding for every x: half the square of sin(x/2)/(x/2)."""
+    return 0.5 * np.sinc(x / (2 * np.pi)) ** 2
+
+
+_SERIES = 1 / np.cumprod([6.0] + [(2 * k + 2) * (2 * k + 3) for k in range(1, 10)])
+
+
+def one_minus_sine(x: Array) -> Array:
+    """(1 - sin x/x)/x², to rounding for every x: by its series where |x| < 1 (Savage-98 Eq. 52)."""
+    small = np.abs(x) < 1
+    square = np.where(small, x * x, 0.0)
+    series = np.zeros_like(square)
+    for coefficient in _SERIES[::-1]:  # 1/3!, 1/5!, 1/7!, ...
+        series = coefficient - square * series
+    large = np.where(small, 1.0, x)
+    return np.where(small, series, (1 - np.sin(large) / large) / large**2)

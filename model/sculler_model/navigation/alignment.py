@@ -1,0 +1,230 @@
+"""Initial attitude of a unit at rest: levelled by gravity, turned to north by Earth's rotation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import atan2, cos, degrees, hypot, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.errors import InputError
+from sculler_model.host import MajorIncrements
+from sculler_model.navigation.earth import EARTH_RATE, gravity
+from sculler_model.navigation.navigator import NavState
+from sculler_model.navigation.rotation import (
+    Quaternion,
+    Vector,
+    conjugate,
+    from_rotation_vector,
+    product,
+    rotate,
+    to_euler,
+)
+
+Array = NDArray[np.float64]
+
+MIN_SECONDS = 10.0
+"""Shortest window; a good heading takes minutes."""
+
+_SEGMENTS = 10
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """An alignment's result and how good it looks.
+
+    Attributes:
+        q: q_nb at the END of the window, body to north-east-down.
+        seconds: length of the window.
+        horizontal_rate: Earth's horizontal rate as the swing of gravity against the gyros shows
+            it, rad/s (true: 7.292e-5 cos lat).
+        down_rate: mean rate about the vertical, down, rad/s (true: -7.292e-5 sin lat).
+        specific_force: magnitude of the mean specific force, m/s².
+        gravity: the model's gravity here, m/s².
+        heading_sigma: standard deviation of the heading by the scatter of ten parts of the
+            window, rad; a constant gyro bias does not show in it.
+        warnings: what looks wrong, in words.
+    """
+
+    q: Quaternion
+    seconds: float
+    horizontal_rate: float
+    down_rate: float
+    specific_force: float
+    gravity: float
+    heading_sigma: float
+    warnings: tuple[str, ...]
+
+    @property
+    def euler(self) -> Vector:
+        """Roll, pitch, heading, rad."""
+        return to_euler(self.q)
+
+    @property
+    def rate(self) -> float:
+        """Earth's rate as measured, rad/s (true: 7.292e-5)."""
+        return hypot(self.horizontal_rate, self.down_rate)
+
+    @property
+    def latitude(self) -> float:
+        """Latitude that the measured rates imply, rad."""
+        return atan2(-self.down_rate, self.horizontal_rate)
+
+    def state(self, lat: float, lon: float, h: float, start: float = 0.0) -> NavState:
+        """State at rest at the end of the window that began at time `start`."""
+        return NavState(start + self.seconds, self.q, (0.0, 0.0, 0.0), lat, lon, h)
+
+
+def align(increments: MajorIncrements, interval: float, lat: float, h: float) -> Alignment:
+    """Attitude at the end of a window at rest.
+
+    The rotation vectors chain up to the body's attitude against inertial space since the start,
+    whatever small sway or vibration there is; in that frame the specific force must swing round
+    with the Earth.  The one rotation that lays the measured swing best upon the known one (least
+    squares, Wahba's problem) is the attitude at the start, level and heading together; the chain
+    carries it to the end.
+
+    A constant gyro bias east turns the heading by bias/(Earth's horizontal rate), an accelerometer
+    bias tilts the level by bias/g: no alignment at rest can tell them from attitude.
+
+    Args:
+        increments: all major intervals of the window, in body axes.
+        interval: length of a major interval, s.
+        lat: geodetic latitude, rad.
+        h: height, m.
+
+    Raises:
+        InputError: the window is too short, the unit is not at rest (specific force more than 2 %
+            off gravity, or rate over 100 times Earth's), or it is too near a pole to find north.
+    """
+    count = len(increments)
+    seconds = count * interval
+    if seconds < MIN_SECONDS or count < _SEGMENTS:
+        raise InputError(
+            f"alignment: {seconds:.3g} s of data in {count} major intervals is too short, give at"
+            f" least {MIN_SECONDS:.0f} s and {_SEGMENTS} intervals (minutes for a good heading)"
+        )
+    true_horizontal = EARTH_RATE * cos(lat)
+    if true_horizontal < 0.01 * EARTH_RATE:
+        raise InputError(
+            f"alignment: at latitude {degrees(lat):.4g}° Earth's horizontal rate is too small to"
+            " find north by, align away from the poles or give the attitude"
+        )
+    mean_rate = float(np.linalg.norm(increments.phi.mean(axis=0))) / interval
+    if mean_rate > 100 * EARTH_RATE:
+        raise InputError(
+            f"alignment: mean rate {degrees(mean_rate):.4g} °/s is over 100 times Earth's, align"
+            " at rest, or check the gyro's LSB"
+        )
+
+    g = gravity(sin(lat), h)
+    specific_force = float(np.linalg.norm(increments.dv_sf.mean(axis=0))) / interval
+    if abs(specific_force / g - 1) > 0.02:
+        raise InputError(
+            f"alignment: specific force {specific_force:.5g} m/s² is more than 2 % off gravity"
+            f" ({g:.5g} m/s²), align at rest, or check the accelerometer's LSB"
+        )
+
+    # specific force in the inertial frame that the body left, at the middle of every interval
+    chain, end = _chain(increments)
+    force = np.stack(rotate(chain, _columns(increments.dv_sf / interval)), axis=1)
+    # what it must be: straight up, in the inertial frame that north-east-down left at the start
+    times = (np.arange(count, dtype=np.float64) + 0.5) * interval
+    swing = _earth_turn(lat, times)
+    up = np.stack(rotate(swing, _columns(np.tile([0.0, 0.0, -1.0], (count, 1)))), axis=1)
+    start = _wahba(force, up)
+    back = from_rotation_vector((-true_horizontal * seconds, 0.0, EARTH_RATE * sin(lat) * seconds))
+
+    # the specific force in north-east-down: constant, but for errors and disturbances
+    w, x, y, z = start
+    one = np.ones(count)
+    to_level = product(conjugate(swing), (w * one, x * one, y * one, z * one))
+    level = np.stack(rotate(to_level, _columns(force)), axis=1)
+    specific_force = float(np.linalg.norm(level.mean(axis=0)))
+    east_slope = _slope(level[:, 1], times)
+    down = -increments.dv_sf.mean(axis=0) / (specific_force * interval)
+    result = Alignment(
+        q=product(back, product(start, end)),
+        seconds=seconds,
+        horizontal_rate=true_horizontal + east_slope / g,
+        down_rate=float(increments.phi.mean(axis=0) @ down) / interval,
+        specific_force=specific_force,
+        gravity=g,
+        heading_sigma=_slope_sigma(level[:, 0], times) / (g * true_horizontal),
+        warnings=(),
+    )
+    return replace(result, warnings=_warnings(result, lat))
+
+
+def _warnings(found: Alignment, lat: float) -> tuple[str, ...]:
+    """What an engineer would want to look at before trusting the attitude."""
+    warnings = []
+    for name, rate, true in (
+        ("horizontal", found.horizontal_rate, EARTH_RATE * cos(lat)),
+        ("vertical", found.down_rate, -EARTH_RATE * sin(lat)),
+    ):
+        if abs(rate - true) > 0.02 * EARTH_RATE:
+            warnings.append(
+                f"{name} rate {degrees(rate) * 3600:.3f} °/h, but Earth's is"
+                f" {degrees(true) * 3600:.3f} °/h here: gyro bias, motion or a wrong latitude"
+            )
+    excess = found.specific_force / found.gravity - 1
+    if abs(excess) > 1e-3:
+        warnings.append(
+            f"specific force {found.specific_force:.5f} m/s² is {1e3 * excess:+.2f} mg off gravity"
+            f" ({found.gravity:.5f} m/s²): accelerometer scale or bias"
+        )
+    if found.heading_sigma > 0.01:
+        warnings.append(
+            f"heading scatters by {degrees(found.heading_sigma):.2f}°: align longer, or the gyros"
+            " are not good enough to find north by"
+        )
+    return tuple(warnings)
+
+
+def _chain(increments: MajorIncrements) -> tuple[tuple[Array, Array, Array, Array], Quaternion]:
+    """Body attitude since the start, in inertial space: before every interval, and at the end."""
+    attitudes: list[Quaternion] = [(1.0, 0.0, 0.0, 0.0)]
+    for phi in increments.phi.tolist():
+        attitudes.append(product(attitudes[-1], from_rotation_vector(tuple(phi))))
+    w, x, y, z = np.array(attitudes[:-1]).T
+    return (w, x, y, z), attitudes[-1]
+
+
+def _columns(vectors: Array) -> tuple[Array, Array, Array]:
+    return vectors[:, 0], vectors[:, 1], vectors[:, 2]
+
+
+def _earth_turn(lat: float, times: Array) -> tuple[Array, Array, Array, Array]:
+    """Attitude of north-east-down at times (s), against where it was at time 0."""
+    half = 0.5 * EARTH_RATE * times
+    sine = np.sin(half)
+    return np.cos(half), cos(lat) * sine, 0 * sine, -sin(lat) * sine
+
+
+def _wahba(measured: Array, known: Array) -> Quaternion:
+    """The rotation that takes measured vectors best upon known ones (Davenport's q-method)."""
+    B = known.T @ measured
+    z = np.array([B[2, 1] - B[1, 2], B[0, 2] - B[2, 0], B[1, 0] - B[0, 1]])
+    K = np.empty((4, 4))
+    K[0, 0] = np.trace(B)
+    K[0, 1:] = K[1:, 0] = z
+    K[1:, 1:] = B + B.T - np.trace(B) * np.eye(3)
+    w, x, y, z = np.linalg.eigh(K)[1][:, -1].tolist()
+    return (w, x, y, z)
+
+
+def _slope(values: Array, times: Array) -> float:
+    """Slope of the straight line that fits best."""
+    centred = times - times.mean()
+    return float(centred @ values / (centred @ centred))
+
+
+def _slope_sigma(values: Array, times: Array) -> float:
+    """Standard deviation of the slope, by the scatter of segment means about the line."""
+    t = np.array([part.mean() for part in np.array_split(times, _SEGMENTS)])
+    y = np.array([part.mean() for part in np.array_split(values, _SEGMENTS)])
+    centred = t - t.mean()
+    left = y - y.mean() - centred * _slope(y, t)
+    return float(np.sqrt(left @ left / (_SEGMENTS - 2) / (centred @ centred)))

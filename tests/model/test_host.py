@@ -1,0 +1,262 @@
+"""The host's increments: formulas against exact rationals, drift against the closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from math import degrees, factorial, pi, radians, sin
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from host_path import attitude_error, chained, fine_design, through_core
+from sculler_model import host
+from sculler_model.blocks import VectorBlock
+from sculler_model.closed_form import drift_rate, uncorrected_rate
+from sculler_model.design import Design
+from sculler_model.fast import run_fast
+from sculler_model.host import MajorIncrements, major_increments, uncorrected, velocity_rotation
+from sculler_model.motion import Coning, Sculling
+from sculler_model.navigation import AxisMap
+from sculler_model.navigation.rotation import Quaternion, rotate
+from sculler_model.quantise import Quantiser
+from sculler_model.vectors import COMPONENTS, VECTORS
+
+
+def turned(phi: NDArray) -> Callable[[NDArray], NDArray]:
+    matrix = Rotation.from_rotvec(phi).as_matrix()
+    return lambda v: matrix @ v
+
+
+# --- the coefficients of Savage-98 Eq. 51-52
+
+
+def series(x: float, first: int) -> Fraction:
+    """1/first! - x²/(first+2)! + ..., exact to far beyond a double."""
+    square = Fraction(x) ** 2
+    return sum(((-square) ** k / factorial(first + 2 * k) for k in range(40)), start=Fraction(0))
+
+
+@pytest.mark.parametrize(
+    "x", [0.0, 1e-300, 1e-8, 1e-3, 0.1, 0.5, 0.999, np.nextafter(1, 0), 1.0, 1.001, 2.0, 3.1, 6.0]
+)
+def test_rotation_coefficients_are_right_to_rounding(x: float) -> None:
+    at = np.array([x])
+    for found, exact in (
+        (host.one_minus_cosine(at)[0], series(x, 2)),
+        (host.one_minus_sine(at)[0], series(x, 3)),
+    ):
+        assert found == pytest.approx(float(exact), rel=1.5e-15, abs=1e-17)
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-3, 0.2, 0.999, 1.5, 3.0])
+def test_velocity_rotation_is_the_integral_of_turned_force(size: float) -> None:
+    rng = np.random.default_rng(7)
+    axis, upsilon = rng.normal(size=3), rng.normal(size=3)
+    alpha = size * axis / np.linalg.norm(axis)
+    node, weight = np.polynomial.legendre.leggauss(20)
+    integral = sum(
+        0.5 * w * turned(0.5 * (x + 1) * alpha)(upsilon) for x, w in zip(node, weight, strict=True)
+    )
+    found = upsilon + velocity_rotation(alpha[None], upsilon[None])[0]
+    assert np.allclose(found, integral, rtol=2e-15, atol=2e-15)
+
+
+# --- φ and ΔV_SF from the integers
+
+
+def block_of(components: NDArray) -> VectorBlock:
+    rows = len(components)
+    return VectorBlock(np.arange(rows), np.zeros(rows, np.int64), components)
+
+
+@pytest.mark.parametrize("size", [10**6, 2**62, 10**24])
+@pytest.mark.parametrize(("kind", "samples"), [("increment", 5), ("rate", 2)])
+def test_increments_are_the_formulas_of_the_page(kind: str, samples: int, size: int) -> None:
+    design = fine_design(samples, rate=1000.0, gyro_lsb=3e-7, accel_lsb=1e-4, kind=kind)
+    rng = np.random.default_rng(11)
+    rows = [
+        [int(rng.integers(-(10**6), 10**6)) * max(size // 10**6, 1) for _ in COMPONENTS]
+        for _ in range(4)
+    ]
+    for row in rows:  # α and υ stay small enough for the formulas to mean something
+        for at in (*range(3), *range(9, 12)):
+            row[at] = row[at] % 100003 - 50000
+    dtype = np.int64 if size <= 2**62 else object
+    found = major_increments(design, block_of(np.array(rows, dtype=dtype)))
+
+    T = Fraction(1) if kind == "increment" else Fraction(design.sample_interval)
+    g, a = Fraction(3e-7) * T, Fraction(1e-4) * T
+    Dc, Dw = design.table.denominator, design.table.sum_denominator
+    for at, row in enumerate(rows):
+        v = {name: row[3 * i : 3 * i + 3] for i, name in enumerate(VECTORS)}
+        alpha = [g * c / Dw for c in v["alpha"]]
+        upsilon = [a * c / Dw for c in v["nu"]]
+        phi = [
+            s + g * g * (Fraction(w, Dc) + Fraction(b, 2 * Dw * Dw))
+            for s, w, b in zip(alpha, v["coning_within"], v["coning_between"], strict=True)
+        ]
+        sculling = [
+            a * g * (Fraction(w, Dc) + Fraction(b, 2 * Dw * Dw))
+            for w, b in zip(v["sculling_within"], v["sculling_between"], strict=True)
+        ]
+        turn = velocity_rotation(np.array([alpha], float), np.array([upsilon], float))[0]
+        assert np.allclose(found.alpha[at], np.array(alpha, float), rtol=1e-15, atol=0)
+        assert np.allclose(found.phi[at], np.array(phi, float), rtol=1e-14, atol=1e-18)
+        expected = np.array(upsilon, float) + turn + np.array(sculling, float)
+        assert np.allclose(found.dv_sf[at], expected, rtol=1e-13, atol=1e-15)
+
+
+def test_uncorrected_drops_only_coning_and_sculling() -> None:
+    design = fine_design(4, gyro_lsb=1e-7, accel_lsb=1e-4)
+    rows = np.random.default_rng(3).integers(-1000, 1000, (5, 18))
+    plain = uncorrected(design, block_of(rows))
+    rows[:, 3:9] = rows[:, 12:18] = 0  # coning_within .. coning_between, sculling
+    full = major_increments(design, block_of(rows))
+    assert np.array_equal(plain.phi, full.alpha)
+    assert np.array_equal(plain.dv_sf, full.dv_sf)
+
+
+def test_slices_axes_and_joining() -> None:
+    inc = MajorIncrements(*np.random.default_rng(0).normal(size=(3, 6, 3)))
+    again = MajorIncrements.concatenate([inc[:2], inc[2:]])
+    assert np.array_equal(again.dv_sf, inc.dv_sf)
+    assert len(inc[1:3]) == 2
+    turned_axes = inc.in_axes(AxisMap.parse("y,x,-z"))
+    assert np.array_equal(turned_axes.phi, inc.phi[:, [1, 0, 2]] * [1, 1, -1])
+    assert np.array_equal(turned_axes.alpha, inc.alpha[:, [1, 0, 2]] * [1, 1, -1])
+    assert np.array_equal(turned_axes.dv_sf, inc.dv_sf[:, [1, 0, 2]] * [1, 1, -1])
+
+
+# --- motions with a known answer, through the integers
+
+
+def test_constant_rate_and_force_are_exact_to_rounding() -> None:
+    design = fine_design(4, minors=5, gyro_lsb=1e-7, accel_lsb=1e-6)
+    count = np.array([3000, -5000, 1200, 700, -900, 4000])
+    inc = major_increments(design, run_fast(design, np.tile(count, (60, 1))))
+    phi, upsilon = 20 * 1e-7 * count[:3], 20 * 1e-6 * count[3:]
+    node, weight = np.polynomial.legendre.leggauss(10)
+    dv = sum(
+        0.5 * w * turned(0.5 * (x + 1) * phi)(upsilon) for x, w in zip(node, weight, strict=True)
+    )
+    assert np.allclose(inc.phi[1:], phi, rtol=2e-16, atol=0)
+    assert np.allclose(inc.dv_sf[1:], dv, rtol=1e-15, atol=0)
+
+
+def test_turn_of_one_radian_a_second_under_30_metres_a_second_squared() -> None:
+    """DESIGN's case of the between-minors term: n = 4, M = 5, 2 kHz, error below 1e-12 m/s²."""
+    design = fine_design(4, minors=5, gyro_lsb=1e-9, accel_lsb=1e-8)
+    counts = np.tile([0, 0, 500_000, 1_500_000, 0, 0], (40, 1))  # 1 rad/s, 30 m/s²
+    found = major_increments(design, run_fast(design, counts)).dv_sf[1] / design.major_interval
+    # in the body frame at the start: 30 (sin φ, 1 - cos φ, 0)/φ with φ = 0.01 rad
+    assert found[0] == pytest.approx(30 * sin(0.01) / 0.01, abs=1e-12)
+    assert found[1] == pytest.approx(30 * 2 * sin(0.005) ** 2 / 0.01, abs=1e-12)
+    assert found[2] == 0
+
+
+def coning_drift(design: Design, cone: Coning, majors: int) -> float:
+    """Computed minus true rate (rad/s) about the cone's axis, host attitude against truth.
+
+    The first major interval lacks history and is left out.
+    """
+    kind = design.sensor.kind
+    sampled = cone.increments if kind == "increment" else cone.rates
+    samples = (majors + 1) * design.samples_per_major
+    inc = through_core(design, [sampled(samples, design.sample_interval)])
+    times = design.major_interval * np.array([1.0, majors + 1.0])
+    first, last = (tuple(q) for q in cone.attitude(times).tolist())
+    found: Quaternion = chained(first, inc.phi[1:])
+    return attitude_error(found, last)[2] / (times[1] - times[0])
+
+
+@pytest.mark.parametrize(
+    ("n", "p", "minors", "half_angle", "phase"),
+    [
+        (2, 0, 1, 1e-4, 2 * pi / 20),
+        (2, 0, 6, 1e-4, 2 * pi / 20),
+        (3, 0, 1, 1e-4, 2 * pi / 15),
+        (3, 0, 4, 1e-4, 2 * pi / 15),
+        (4, 0, 1, 1e-4, 2 * pi / 12),
+        (4, 0, 5, 1e-4, 2 * pi / 12),
+        (5, 0, 1, 1e-4, 2 * pi / 10),
+        (5, 0, 2, 1e-4, 2 * pi / 8),
+        (1, 1, 10, 1e-4, 2 * pi / 20),
+        (3, 1, 2, 1e-4, 2 * pi / 9),
+    ],
+)
+def test_coning_drift_is_the_closed_form_residual(
+    n: int, p: int, minors: int, half_angle: float, phase: float
+) -> None:
+    design = fine_design(n, p, minors, gyro_lsb=1e-13)
+    omega = phase / design.sample_interval
+    expected = float(
+        drift_rate(design.table, sin(half_angle), sin(half_angle), omega, design.sample_interval)
+    )
+    # whole cycles, so that the ripple of the second order is the same at both ends
+    cycle = round(2 * pi / phase)
+    majors = cycle * max(1, 3000 // (cycle * design.samples_per_major)) * 2
+    measured = coning_drift(design, Coning(half_angle, omega), majors)
+    assert measured == pytest.approx(expected, rel=0.01, abs=0)
+
+
+def test_zengs_rates_drift_by_the_closed_form() -> None:
+    """1° half angle at 20 Hz and 1 kHz through the filter: n = 2 leaves 1.07e-2 °/h."""
+    design = fine_design(2, rate=1000.0, gyro_lsb=2e-9, kind="rate")
+    measured = coning_drift(design, Coning(radians(1), 2 * pi * 20), 5000)
+    assert degrees(measured) * 3600 == pytest.approx(1.07e-2, rel=0.01, abs=0)
+
+
+def test_five_minors_of_four_leave_the_third_order_only() -> None:
+    """DESIGN's case of Yang's lost half: 1°, 20 Hz, 1 kHz, n = 4, M = 5 drifts 0.11 °/h."""
+    design = fine_design(4, minors=5, rate=1000.0, gyro_lsb=1e-11)
+    measured = coning_drift(design, Coning(radians(1), 2 * pi * 20), 500)
+    assert abs(degrees(measured) * 3600) == pytest.approx(0.11, abs=0.01)
+
+
+def test_uncorrected_integration_drifts_by_half_ab_omega() -> None:
+    design = fine_design(4, minors=5, gyro_lsb=1e-11)
+    cone = Coning(1e-3, 2 * pi * 50)  # 50 Hz: half a cycle a major interval
+    counts = Quantiser(design)(cone.increments(20 * 400, 1 / 2000))
+    inc = uncorrected(design, run_fast(design, counts))
+    first, last = (tuple(q) for q in cone.attitude(np.array([0.0, 4.0])).tolist())
+    drift = attitude_error(chained(first, inc.phi), last)[2] / 4
+    # α of half a cycle is ±2a along one axis: nothing of the cone's rate is left in the sums
+    assert drift == pytest.approx(float(uncorrected_rate(1e-3, 1e-3, cone.omega)), rel=1e-3, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("n", "minors", "phase"),
+    [(2, 1, 2 * pi / 20), (3, 4, 2 * pi / 15), (4, 5, 2 * pi / 12), (5, 1, 2 * pi / 10)],
+)
+def test_sculling_drift_is_the_closed_form_residual(n: int, minors: int, phase: float) -> None:
+    """Velocity along z in inertial space against B J1(A), through the integers."""
+    design = fine_design(n, minors=minors, gyro_lsb=1e-13, accel_lsb=1e-10)
+    T = design.sample_interval
+    scull = Sculling(angle=1e-4, force=10.0, omega=phase / T)
+    cycle = round(2 * pi / phase)
+    majors = cycle * max(1, 3000 // (cycle * design.samples_per_major))
+    inc = through_core(design, [scull.increments(majors * design.samples_per_major, T)])
+    velocity, q = np.zeros(3), (1.0, 0.0, 0.0, 0.0)
+    for phi, dv in zip(inc.phi, inc.dv_sf.tolist(), strict=True):
+        velocity += rotate(q, tuple(dv))
+        q = chained(q, phi[None])
+    seconds = majors * design.major_interval
+    expected = float(
+        drift_rate(design.table, scull.angle, scull.force / scull.omega, scull.omega, T)
+    )
+    assert velocity[2] / seconds - scull.mean_force == pytest.approx(expected, rel=0.01, abs=0)
+
+
+def test_coning_through_axes_any_way_round_is_the_same() -> None:
+    """A turned sensor gives turned results: exact integers commute with signed permutations."""
+    design = fine_design(4, minors=5)
+    values = Coning(1e-3, 300.0).increments(200, 1 / 2000)
+    values[:, 3:] = values[:, [1, 2, 0]] * 10
+    axes = AxisMap.parse("-z,y,x")
+    both = np.hstack([axes.apply(values[:, :3]), axes.apply(values[:, 3:])])
+    one, other = through_core(design, [values]).in_axes(axes), through_core(design, [both])
+    assert np.allclose(one.phi, other.phi, rtol=1e-9, atol=1e-11)
+    assert np.allclose(one.dv_sf, other.dv_sf, rtol=1e-9, atol=1e-10)

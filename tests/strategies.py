@@ -1,0 +1,160 @@
+"""Designs and counts that every test of exactness runs on.
+
+`DESIGNS` are named designs that between them cover the parameter space; `designs` is the
+hypothesis strategy for arbitrary legal ones; `random_counts` makes the inputs, with many
+full-scale counts among them, because those are what breaks words that are too short.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from sculler_model.design import Design
+from sculler_model.wordlength import Interval
+
+Counts = NDArray[np.int64]
+
+
+def make_design(
+    name: str,
+    samples: int,
+    history: int,
+    minors: int,
+    bits: tuple[int, int],
+    family: str = "frequency-taylor",
+    **table: Any,
+) -> Design:
+    """A design of n samples, p history, M minors and (gyro, accel) bits; `table` as in TOML."""
+    algorithm: dict[str, Any] = {
+        "family": "table" if table else family,
+        "samples": samples,
+        "history": history,
+        "minors": minors,
+    }
+    if table:
+        algorithm["table"] = table
+    return Design.parse(
+        {
+            "name": name,
+            "sensor": {
+                "kind": "rate" if algorithm["family"] == "filtered-rate" else "increment",
+                "sample_rate_hz": 1000.0,
+                "gyro": {"bits": bits[0], "lsb": 1e-8},
+                "accel": {"bits": bits[1], "lsb": 1e-7},
+            },
+            "algorithm": algorithm,
+        }
+    )
+
+
+_ALL = [
+    Design.preset("stim300"),
+    make_design("savage_1p1", 1, 1, 64, (16, 12)),
+    make_design("taylor_2p0", 2, 0, 8, (8, 32)),
+    make_design("taylor_2p1", 2, 1, 7, (24, 16)),
+    make_design("taylor_3p1", 3, 1, 4, (20, 17)),
+    make_design("taylor_3p3", 3, 3, 2, (9, 25)),
+    # 32-bit as the HG4930: the accumulators pass 64 bits
+    make_design("wide_5p0", 5, 0, 3, (32, 32)),
+    make_design("taylor_6p2", 6, 2, 1, (13, 29)),
+    make_design("taylor_7p0", 7, 0, 1, (11, 8)),
+    # taps of some 40 bits
+    make_design("taylor_8p8", 8, 8, 2, (31, 10)),
+    make_design("rate_1p0", 1, 0, 5, (18, 22), "filtered-rate"),
+    make_design("rate_2p0", 2, 0, 10, (16, 19), "filtered-rate"),
+    make_design("rate_4p1", 4, 1, 3, (24, 28), "filtered-rate"),
+    # Savage-20 method 1, n = 3: c12 = c23 = 57/80, c13 = 33/80
+    make_design("dense_time_3", 3, 0, 6, (24, 20), denominator=80, taps=[[], [57], [57, 33]]),
+    # Savage-20 method 4, n = 4: c12 = c34 = 232, c23 = 178, c13 = c24 = 138, c14 = 162 over 315
+    make_design(
+        "dense_uncompressed_4",
+        4,
+        0,
+        5,
+        (21, 24),
+        denominator=315,
+        taps=[[], [232], [178, 138], [232, 138, 162]],
+    ),
+    # a user's table that nothing can be guessed from: every phase but one has taps, of both signs,
+    # with gaps, reaching past the previous minor interval; weights with a gap and a sign
+    make_design(
+        "dense_odd_3",
+        3,
+        0,
+        5,
+        (8, 11),
+        denominator=7,
+        taps=[[0, -3, 0, 0, 0, 0, 5], [], [1, 0, -2]],
+        sum_denominator=6,
+        weights=[1, 0, -4, 5],
+    ),
+    # one tap, one sample, one minor interval: a result at every sample
+    make_design("smallest", 1, 0, 1, (8, 9), denominator=2, taps=[-1]),
+    # the sum is the sample before the newest alone
+    make_design("late_sum_2", 2, 1, 16, (10, 8), denominator=12, taps=[0, 5, 1], weights=[0, 0, 1]),
+]
+
+DESIGNS: dict[str, Design] = {design.name: design for design in _ALL}
+"""Named designs: n 1-8, p 0-n, compressed and dense, increments and rates, M 1-64, widths 8-32."""
+
+
+def random_counts(design: Design, samples: int, rng: np.random.Generator) -> Counts:
+    """(samples, 6) counts: most negative, most positive, zero, small and uniform ones mixed.
+
+    Runs of one kind occur too, so that accumulators are driven to their ends.
+    """
+    words = design.words
+    lo, hi = (
+        np.array([getattr(words.gyro, end)] * 3 + [getattr(words.accel, end)] * 3)
+        for end in ("lo", "hi")
+    )
+    shape = (samples, 6)
+    small = rng.integers(-3, 4, shape)
+    uniform = rng.integers(lo, hi, shape, endpoint=True)
+    kinds = np.stack(np.broadcast_arrays(lo, hi, np.int64(0), small, uniform))
+    chance = [0.3, 0.25, 0.05, 0.1, 0.3]
+    each = rng.choice(len(chance), shape, p=chance)
+    runs = np.repeat(rng.choice(len(chance), (samples // 16 + 1, 6), p=chance), 16, axis=0)
+    kind = np.where(rng.random((samples, 1)) < 0.3, each, runs[:samples])
+    counts: Counts = np.take_along_axis(kinds, kind[np.newaxis], axis=0)[0]
+    return counts
+
+
+def counts_lists(interval: Interval, size: int) -> st.SearchStrategy[list[int]]:
+    """`size` counts of one sensor, its ends among the likeliest."""
+    ends = st.sampled_from([interval.lo, interval.hi, 0])
+    return st.lists(ends | st.integers(interval.lo, interval.hi), min_size=size, max_size=size)
+
+
+@st.composite
+def designs(
+    draw: st.DrawFn,
+    max_samples: int = 16,
+    max_minors: int = 64,
+    bits: tuple[int, int] = (8, 32),
+) -> Design:
+    """Any legal design: all families, compressed and dense tables, unequal widths."""
+    n = draw(st.integers(1, max_samples))
+    minors = draw(st.integers(1, max_minors))
+    widths = (draw(st.integers(*bits)), draw(st.integers(*bits)))
+    family = draw(st.sampled_from(["frequency-taylor", "filtered-rate", "table"]))
+    if family != "table":
+        least = 1 if (family, n) == ("frequency-taylor", 1) else 0
+        p = draw(st.integers(least, n))
+        return make_design("any", n, p, minors, widths, family)
+    tap = st.integers(-(1 << 20), 1 << 20) | st.integers(-3, 3)
+    row = st.lists(tap, max_size=2 * n)
+    flat = row.filter(any)
+    dense = st.lists(row, min_size=n, max_size=n).filter(lambda rows: any(map(any, rows)))
+    weight = st.lists(st.integers(-100, 100), min_size=1, max_size=n + 1)
+    table: dict[str, Any] = {
+        "denominator": draw(st.integers(1, 10**6)),
+        "taps": draw(flat | dense),
+        "sum_denominator": draw(st.integers(1, 1000)),
+        "weights": draw(weight.filter(any) | st.none()),
+    }
+    return make_design("any", n, draw(st.integers(0, n)), minors, widths, **table)
