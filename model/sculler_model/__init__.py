@@ -1,14 +1,6 @@
-"""What is true: algorithm design, word lengths, golden models, navigation.
+"""What is true: algorithm design, word lengths, the golden models, and the host's navigation.
 
-The exact side (`design`, `coefficients`, `wordlength`, `golden`, `cycles`, `vectors`) is plain
+The exact side (`design`, `coefficients`, `wordlength`, `vectors`, `golden`, `cycles`) is plain
 integers and knows no floats beyond the design's scale factors; everything else is the host's.
+Import from the modules; the package itself imports nothing, so that `sculler --help` is quick.
 """
-
-from sculler_model.coefficients import TapTable
-from sculler_model.cycles import CycleModel
-from sculler_model.design import Design
-from sculler_model.errors import InputError
-from sculler_model.golden import GoldenModel
-from sculler_model.vectors import COLUMNS, Result
-
-__all__ = ["COLUMNS", "CycleModel", "Design", "GoldenModel", "InputError", "Result", "TapTable"]

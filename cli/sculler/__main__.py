@@ -1,0 +1,7 @@
+"""`python -m sculler`."""
+
+import sys
+
+from sculler.main import main
+
+sys.exit(main())

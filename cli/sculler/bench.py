@@ -1,0 +1,152 @@
+"""How fast everything is: `python -m sculler.bench` (or `make bench`).
+
+Each measurement runs once unmeasured, then several times, in turn with the others, so that a busy
+moment of the machine does not fall on one of them alone; medians are reported.  All are of the
+default design (the STIM300 preset) on random full-scale samples.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+from rich.table import Table
+
+from sculler import terminal
+from sculler.logs import LogWriter, read_log
+from sculler.main import run_command
+from sculler_model.blocks import VectorBlock
+from sculler_model.design import Design
+from sculler_model.fast import FastModel
+from sculler_model.golden import GoldenModel
+from sculler_model.host import major_increments
+from sculler_model.motion import demo_motion
+from sculler_model.navigation import navigate
+from sculler_model.quantise import Quantiser
+from sculler_sim.engine import EngineName, simulate
+
+
+class Task(NamedTuple):
+    """One measurement: what it is, the samples one run takes, and the run."""
+
+    name: str
+    samples: int
+    run: Callable[[], object]
+
+
+def tasks(design: Design, folder: Path) -> list[Task]:
+    """All measurements; a log for the reading goes into the folder."""
+    rng = np.random.default_rng(1)
+    words = design.words
+
+    def random_counts(samples: int) -> NDArray[np.int64]:
+        gyro = rng.integers(words.gyro.lo, words.gyro.hi + 1, (samples, 3))
+        accel = rng.integers(words.accel.lo, words.accel.hi + 1, (samples, 3))
+        return np.hstack([gyro, accel])
+
+    few, some, many = (random_counts(samples) for samples in (2_000, 10_000, 2_000_000))
+    log = folder / "log.csv"
+    with LogWriter(log) as writer:
+        writer.write(many[:400_000])
+    plain = [((a, b, c), (d, e, f), 0) for a, b, c, d, e, f in some.tolist()]
+
+    # navigation needs a vehicle that stays on the Earth
+    seconds = 100
+    count = round(seconds * design.sensor.sample_rate_hz)
+    motion, quantise, model = demo_motion(), Quantiser(design), FastModel(design)
+    block = VectorBlock.concatenate(
+        [
+            model.feed(quantise(chunk))
+            for chunk in motion.chunks(design.sensor.kind, count, design.sample_interval)
+        ]
+    )
+    start = motion.state(np.zeros(1)).state(0)
+
+    def simulation(engine: EngineName, counts: NDArray[np.int64]) -> Callable[[], object]:
+        return lambda: sum(map(len, simulate(design, [(counts, None)], engine=engine)))
+
+    return [
+        Task("golden model, reference", len(plain), lambda: list(GoldenModel(design).run(plain))),
+        Task("golden model, fast twin", len(many), lambda: FastModel(design).feed(many)),
+        Task("RTL in Amaranth's simulator", len(few), simulation("amaranth", few)),
+        Task("RTL in Verilator", len(many), simulation("verilator", many)),
+        Task(
+            "navigate (one update a major interval)",
+            count,
+            lambda: navigate(start, design.major_interval, major_increments(design, block)),
+        ),
+        Task("reading a log", 400_000, lambda: sum(len(c) for c, _ in read_log(log, design))),
+    ]
+
+
+def measure(all_tasks: list[Task], runs: int) -> dict[str, list[float]]:
+    """Seconds of each run of each task, the tasks taking turns."""
+    seconds: dict[str, list[float]] = {task.name: [] for task in all_tasks}
+    with terminal.progress("measuring", (runs + 1) * len(all_tasks)) as advance:
+        for turn in range(runs + 1):
+            for task in all_tasks:
+                start = time.perf_counter()
+                task.run()
+                if turn:
+                    seconds[task.name].append(time.perf_counter() - start)
+                advance(1)
+    return seconds
+
+
+@click.command(epilog=terminal.examples("python -m sculler.bench --runs 9 --json"))
+@click.option(
+    "--runs", type=click.IntRange(min=5), default=5, show_default=True, help="Runs of each."
+)
+@terminal.json_option
+def command(runs: int, as_json: bool) -> None:
+    """Measure the speed of model, simulators, navigation and log reading."""
+    design = Design.preset("stim300")
+    with tempfile.TemporaryDirectory() as folder:
+        all_tasks = tasks(design, Path(folder))
+        seconds = measure(all_tasks, runs)
+    rows = {}
+    for task in all_tasks:
+        speeds = [task.samples / s for s in seconds[task.name]]
+        rows[task.name] = {
+            "samples": task.samples,
+            "samples_per_s": statistics.median(speeds),
+            "majors_per_s": statistics.median(speeds) / design.samples_per_major,
+            "slowest": min(speeds),
+            "fastest": max(speeds),
+        }
+    machine = f"{platform.machine()}, {os.cpu_count()} processors, Python"
+    machine += f" {platform.python_version()}, numpy {np.__version__}"
+    data = {"design": design.name, "runs": runs, "machine": machine, "speeds": rows}
+    terminal.report(data, as_json, _table(data))
+
+
+def _table(data: dict[str, Any]) -> Table:
+    table = Table(
+        title=f"samples/s, design {data['design']}, medians of {data['runs']} runs",
+        title_justify="left",
+        caption=data["machine"],
+        caption_justify="left",
+    )
+    table.add_column("")
+    for column in ("samples/s", "slowest", "fastest", "results/s", "samples a run"):
+        table.add_column(column, justify="right")
+    for name, row in data["speeds"].items():
+        speeds = (row["samples_per_s"], row["slowest"], row["fastest"], row["majors_per_s"])
+        table.add_row(
+            name, *(terminal.three_digits(speed) for speed in speeds), f"{row['samples']:,}"
+        )
+    return table
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(command, sys.argv[1:], "python -m sculler.bench"))

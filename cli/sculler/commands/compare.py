@@ -1,0 +1,45 @@
+"""`sculler compare`: two vectors files, integer for integer."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from sculler import terminal
+
+_FAILED = 1
+
+
+@click.command(epilog=terminal.examples("sculler compare model.csv rtl.csv"))
+@click.argument("first", metavar="A", type=click.Path(path_type=Path))
+@click.argument("second", metavar="B", type=click.Path(path_type=Path))
+@terminal.json_option
+def command(first: Path, second: Path, as_json: bool) -> int:
+    """Say whether the vectors files A and B are identical.
+
+    Exit status 0 if they are; else 1, with the first difference: major, column and both values.
+    """
+    from sculler_sim.compare import compare
+
+    difference = compare(first, second)
+    data = {"first": str(first), "second": str(second), "identical": difference is None}
+    if difference is None:
+        rows = _rows(first)
+        terminal.report(
+            data | {"rows": rows}, as_json, f"identical: {terminal.plural(rows, 'row')}"
+        )
+        return 0
+    terminal.report(
+        data | {"difference": asdict(difference)},
+        as_json,
+        f"different: {difference.describe(first, second)}",
+    )
+    return _FAILED
+
+
+def _rows(path: Path) -> int:
+    """Rows of a vectors file below its header."""
+    with path.open("rb") as file:
+        return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b"")) - 1

@@ -1,0 +1,100 @@
+"""`sculler generate`: the design as Verilog, with all that goes with it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from sculler import terminal
+
+if TYPE_CHECKING:
+    from sculler_model.design import Design
+
+
+@click.command(
+    short_help="Write the core as plain Verilog with manifest and test bench.",
+    epilog=terminal.examples("sculler generate examples/stim300_4x5.toml -o build/stim300_4x5"),
+)
+@terminal.design_argument
+@click.option(
+    "-o",
+    "--output",
+    "folder",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Where to write; build/NAME if left out.",
+)
+@terminal.json_option
+def command(design_name: str, folder: Path | None, as_json: bool) -> None:
+    """Write the core of DESIGN as plain Verilog-2001.
+
+    FOLDER gets NAME.v, its manifest NAME.json (ports, word lengths, scales, latency), and a
+    self-checking test bench NAME_tb.v with its golden vectors; its README.md has the command that
+    runs it in any simulator.  The same design gives the same bytes.
+    """
+    from sculler_model.vectors import VECTORS
+
+    design = terminal.load_design(design_name)
+    folder = folder or Path("build") / design.name
+    with terminal.progress("generating", None):
+        files = write_hardware(design, folder)
+    manifest = json.loads((folder / f"{design.name}.json").read_text(encoding="utf-8"))
+    words = design.words
+    data = {
+        "design": design.name,
+        "folder": str(folder),
+        "files": [str(file) for file in files],
+        "latency_clocks": manifest["latency_clocks"],
+        "clocks_per_sample": manifest["clocks_per_sample"],
+        "samples_per_major": design.samples_per_major,
+        "verilog_sha256": manifest["verilog_sha256"],
+    }
+    rows = {
+        "module": f"{design.name}: {design.algorithm.family}, n = {design.algorithm.samples},"
+        f" M = {design.algorithm.minors}",
+        "latency": f"{manifest['latency_clocks']} clocks from an interval's last sample,"
+        f" {manifest['clocks_per_sample']} a sample",
+        "widths": ", ".join(f"{vector} {getattr(words, vector).bits}" for vector in VECTORS)
+        + " bits",
+        "wrote": f"{folder}/: {', '.join(file.name for file in files)}",
+    }
+    terminal.report(data, as_json, terminal.facts(rows))
+
+
+def write_hardware(design: Design, folder: Path) -> list[Path]:
+    """Verilog, manifest and test bench of a design; they appear together.
+
+    Returns:
+        The files, in `folder`, which is made if need be.
+
+    Raises:
+        InputError: the folder cannot be made or written to.
+    """
+    from sculler_hdl.verilog import generate
+    from sculler_model.errors import InputError
+    from sculler_sim.files import make_folder
+    from sculler_sim.testbench import write_testbench
+
+    generated = generate(design)
+    make_folder(folder)
+    try:
+        gathered = Path(tempfile.mkdtemp(prefix=".sculler-", dir=folder))
+    except OSError as error:
+        raise InputError(
+            f"{folder}: cannot write to the folder ({error.strerror}), give another"
+        ) from error
+    try:
+        verilog, manifest = (gathered / f"{design.name}{suffix}" for suffix in (".v", ".json"))
+        verilog.write_text(generated.verilog, encoding="ascii", newline="\n")
+        manifest.write_text(
+            json.dumps(generated.manifest, indent=2) + "\n", encoding="utf-8", newline="\n"
+        )
+        bench = write_testbench(design, gathered, generated.manifest["latency_clocks"])
+        return [file.replace(folder / file.name) for file in (verilog, manifest, *bench)]
+    finally:
+        shutil.rmtree(gathered)

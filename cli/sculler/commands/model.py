@@ -1,0 +1,42 @@
+"""`sculler model`: a log through the bit-exact golden model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from sculler import terminal
+
+if TYPE_CHECKING:
+    from sculler.runs import ModelEngine
+
+
+@click.command(
+    short_help="Run an IMU log through the bit-exact golden model.",
+    epilog=terminal.examples("sculler model examples/stim300_4x5.toml imu.csv -o model.csv"),
+)
+@terminal.design_argument
+@terminal.log_argument
+@terminal.output_option
+@click.option(
+    "--engine",
+    type=click.Choice(["fast", "reference"]),
+    default="fast",
+    show_default=True,
+    help="The vectorised twin, or the plain reference it is tested against.",
+)
+@terminal.json_option
+def command(design_name: str, log: str, output: Path, engine: ModelEngine, as_json: bool) -> None:
+    """Run the IMU log LOG (CSV of counts, - for stdin) through the golden model.
+
+    Writes the vectors: one row of exact integers for each complete major interval.
+    """
+    from sculler.runs import model_log
+
+    design = terminal.load_design(design_name)
+    with terminal.progress("modelling", terminal.file_size(log)) as advance:
+        summary = model_log(design, log, output, engine, advance)
+    data = {"engine": engine, "log": log, "output": str(output), **summary.as_json()}
+    terminal.report(data, as_json, terminal.facts(summary.facts() | {"wrote": str(output)}))

@@ -1,0 +1,71 @@
+"""`sculler simulate`: a log through the generated hardware."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from sculler import terminal
+
+if TYPE_CHECKING:
+    from sculler.runs import SimulationEngine
+
+
+@click.command(
+    short_help="Run an IMU log through the hardware, in Verilator or in Amaranth's simulator.",
+    epilog=terminal.examples(
+        "sculler simulate examples/stim300_4x5.toml imu.csv -o rtl.csv --stall 1"
+    ),
+)
+@terminal.design_argument
+@terminal.log_argument
+@terminal.output_option
+@click.option(
+    "--engine",
+    type=click.Choice(["verilator", "amaranth"]),
+    default="verilator",
+    show_default=True,
+    help="The emitted Verilog compiled by Verilator, or the Amaranth design in its own simulator.",
+)
+@click.option(
+    "--stall",
+    type=click.IntRange(min=0),
+    metavar="SEED",
+    help="Random stalls on both handshakes, reproducible from the seed.",
+)
+@click.option(
+    "--wave",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write a waveform: .vcd, or with Verilator also .fst.",
+)
+@terminal.json_option
+def command(
+    design_name: str,
+    log: str,
+    output: Path,
+    engine: SimulationEngine,
+    stall: int | None,
+    wave: Path | None,
+    as_json: bool,
+) -> None:
+    """Run the IMU log LOG (CSV of counts, - for stdin) through the register-transfer level.
+
+    Writes the vectors that the core hands over, for `sculler compare` with those of `sculler
+    model`.
+    """
+    from sculler.runs import simulate_log
+    from sculler_sim.stimulus import Stimulus
+
+    design = terminal.load_design(design_name)
+    stimulus = Stimulus.always() if stall is None else Stimulus.stalls(stall)
+    with terminal.progress("simulating", terminal.file_size(log)) as advance:
+        summary = simulate_log(design, log, output, engine, stimulus, wave, advance)
+    waveform = None if wave is None else str(wave)
+    data = {"engine": engine, "log": log, "output": str(output), "stall": stall, "wave": waveform}
+    rows = summary.facts() | {"wrote": str(output)}
+    if waveform is not None:
+        rows["waveform"] = waveform
+    terminal.report(data | summary.as_json(), as_json, terminal.facts(rows))

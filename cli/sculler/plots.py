@@ -1,0 +1,227 @@
+"""Pictures (matplotlib), in colours that colour-blind readers can tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler.terminal import three_digits
+from sculler_model.errors import InputError
+from sculler_model.navigation import NavHistory
+from sculler_model.navigation.earth import radii
+from sculler_sim.files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+Array = NDArray[np.float64]
+
+# Okabe and Ito's palette
+BLUE, VERMILION, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#555555"
+
+_STYLE = {
+    "font.size": 10.5,
+    "axes.titlesize": 11.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.7,
+    "legend.frameon": False,
+    "lines.linewidth": 1.4,
+}
+
+
+def require_matplotlib() -> None:
+    """Ask for matplotlib before any work is done.
+
+    Raises:
+        InputError: it is absent; says how to get it.
+    """
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError as error:
+        raise InputError(
+            "pictures need matplotlib, run: pip install 'sculler[plots]' (or give --no-plots)"
+        ) from error
+
+
+@contextmanager
+def _figure(path: Path, width: float, height: float) -> Iterator[Figure]:
+    """A figure that is saved to `path` in the end, whole or not at all."""
+    require_matplotlib()
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    with rc_context(_STYLE):  # type: ignore[arg-type]
+        figure = Figure(figsize=(width, height), layout="constrained")
+        yield figure
+        with replacing(path) as temporary:
+            # no version in the file: the same data give the same bytes
+            figure.savefig(temporary, dpi=130, metadata={"Software": None})
+
+
+def local_metres(history: NavHistory, origin: NavHistory) -> tuple[Array, Array, Array]:
+    """North, east, up (m) of states from the first state of `origin`."""
+    lat, lon, h = origin.lat[0], origin.lon[0], origin.h[0]
+    meridian, prime_vertical = radii(np.sin(lat))
+    turned = np.mod(history.lon - lon + np.pi, 2 * np.pi) - np.pi
+    north = (history.lat - lat) * (meridian + h)
+    east = turned * (prime_vertical + h) * np.cos(lat)
+    return north, east, history.h - h
+
+
+def navigation_pictures(history: NavHistory, output: Path) -> list[Path]:
+    """Ground track, velocity, attitude and height, beside the CSV `output`."""
+    path = output.with_suffix(".png")
+    north, east, _ = local_metres(history, history)
+    scale, unit = _time_scale(history.time)
+    t = history.time / scale
+    with _figure(path, 12, 8) as figure:
+        track, velocity, attitude, height = figure.subplots(2, 2).ravel()
+        _track(track, {"track": (north, east, BLUE, 1.4)})
+        for column, (name, colour) in enumerate(
+            (("north", BLUE), ("east", VERMILION), ("down", GREEN))
+        ):
+            velocity.plot(t, history.v[:, column], color=colour, label=name)
+        velocity.set(title="Velocity over the Earth", ylabel="m/s", xlabel=f"time ({unit})")
+        _legend(velocity)
+        _angles(attitude, t, np.degrees(history.euler))
+        attitude.set(title="Attitude", xlabel=f"time ({unit})")
+        height.plot(t, history.h, color=BLUE)
+        height.set(title="Height over the ellipsoid", ylabel="m", xlabel=f"time ({unit})")
+    return [path]
+
+
+def _time_scale(time: Array) -> tuple[float, str]:
+    """Seconds per unit of the time axis, and the unit."""
+    length = float(time[-1] - time[0])
+    return (1.0, "s") if length < 1000 else (60.0, "min") if length < 4 * 3600 else (3600.0, "h")
+
+
+def _track(axes: Axes, tracks: Mapping[str, tuple[Array, Array, str, float]]) -> None:
+    """Tracks from above, in m or km, true to shape; the start is marked."""
+    largest = max(float(np.ptp(c)) for north, east, _, _ in tracks.values() for c in (north, east))
+    scale, unit = (1000.0, "km") if largest > 5000 else (1.0, "m")
+    for name, (north, east, colour, width) in tracks.items():
+        axes.plot(east / scale, north / scale, color=colour, lw=width, label=name)
+    axes.plot(0, 0, "o", color="black", label="start")
+    axes.set(title="Ground track", xlabel=f"east ({unit})", ylabel=f"north ({unit})")
+    axes.set_aspect("equal", adjustable="datalim")
+    _legend(axes)
+
+
+def _legend(axes: Axes, lines: Sequence[Line2D] | None = None) -> None:
+    """A legend on the title's line, where it hides nothing."""
+    lines = axes.get_lines() if lines is None else lines
+    axes.legend(
+        lines,
+        [str(line.get_label()) for line in lines],
+        loc="lower right",
+        bbox_to_anchor=(1, 1),
+        borderaxespad=0.1,
+        ncols=len(lines),
+        handlelength=1.4,
+        columnspacing=1.2,
+    )
+
+
+def _angles(axes: Axes, t: Array, degrees: Array) -> None:
+    """Roll and pitch on the left scale, heading on the right one, without jumps at ±180°."""
+    axes.plot(t, degrees[:, 0], color=BLUE, label="roll")
+    axes.plot(t, degrees[:, 1], color=VERMILION, label="pitch")
+    axes.set_ylabel("roll, pitch (°)")
+    right = axes.twinx()
+    right.plot(t, np.unwrap(degrees[:, 2], period=360), color=GREEN, ls="--", label="heading")
+    right.set_ylabel("heading (°)")
+    right.grid(False)
+    right.spines["right"].set_visible(True)
+    _legend(axes, [*axes.get_lines(), *right.get_lines()])
+
+
+Errors = Mapping[str, tuple[Array, Array, Array]]
+"""By navigator: attitude (arcsec), velocity (m/s) and position (m) errors over time."""
+
+_PAIR = (BLUE, VERMILION)  # the corrected navigator, the uncorrected
+
+
+def error_picture(path: Path, time: Array, errors: Errors) -> None:
+    """Errors against truth on a logarithmic scale, one navigator beside the other."""
+    quantities = (
+        ("Attitude error", "arcsec"),
+        ("Velocity error", "m/s"),
+        ("Position error", "m"),
+    )
+    with _figure(path, 9, 10) as figure:
+        panels: Any = figure.subplots(3, 1, sharex=True)
+        for row, ((title, unit), axes) in enumerate(zip(quantities, panels, strict=True)):
+            for (name, series), colour in zip(errors.items(), _PAIR, strict=True):
+                shown = np.where(series[row] > 0, series[row], np.nan)
+                axes.semilogy(time, shown, color=colour, label=name)
+                axes.annotate(
+                    f"{three_digits(float(series[row][-1]))} {unit}",
+                    (float(time[-1]), float(series[row][-1])),
+                    xytext=(5, 0),
+                    textcoords="offset points",
+                    color=colour,
+                    va="center",
+                    annotation_clip=False,
+                )
+            axes.set(title=title, ylabel=unit, xlim=(0, float(time[-1])))
+            _legend(axes)
+        panels[-1].set_xlabel("time (s)")
+
+
+def track_picture(path: Path, truth: NavHistory, estimates: Mapping[str, NavHistory]) -> None:
+    """The true ground track and where the navigators believe to have been."""
+    with _figure(path, 7.5, 7.5) as figure:
+        north, east, _ = local_metres(truth, truth)
+        tracks = {"truth": (north, east, "#bbbbbb", 5.0)}
+        for (name, history), colour in zip(estimates.items(), _PAIR, strict=True):
+            north, east, _ = local_metres(history, truth)
+            tracks[name] = (north, east, colour, 1.4)
+        _track(figure.subplots(), tracks)
+
+
+def coning_picture(
+    path: Path,
+    frequency: Array,
+    curves: Mapping[str, Array],
+    marked_hz: float,
+    half_angle: str,
+    sample_rate: float,
+) -> None:
+    """Drift left of coning over frequency.
+
+    Args:
+        path: the picture.
+        frequency: (N,) Hz.
+        curves: drift (N,) in °/h by name, the uncorrected integrator's first.
+        marked_hz: a frequency to mark.
+        half_angle, sample_rate: of what coning and at which rate (Hz), for the title.
+    """
+    with _figure(path, 9, 6) as figure:
+        axes = figure.subplots()
+        colours = (VERMILION, BLUE, GREEN, PURPLE)
+        for (name, drift), colour in zip(curves.items(), colours, strict=True):
+            axes.loglog(frequency, np.abs(drift), color=colour, label=name)
+        axes.axvline(marked_hz, color=GREY, ls=":", label=f"{marked_hz:g} Hz, as in the demo")
+        axes.set(
+            title=f"Drift left of {half_angle} coning, {sample_rate:g} samples/s (closed form)",
+            xlabel="coning frequency (Hz)",
+            ylabel="drift (°/h)",
+            ylim=(1e-9, None),
+            xlim=(frequency[0], frequency[-1]),
+        )
+        axes.legend(loc="upper left")

@@ -1,0 +1,107 @@
+"""MATLAB's MAT files (up to version 7): one matrix, a sample a row, columns by number."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler.readers import Advance, Recording, Samples, Unit
+from sculler.readers.timing import TimeCheck
+from sculler_model.errors import InputError
+
+_CHUNK_ROWS = 1 << 16
+
+
+def read_mat(
+    path: Path,
+    variable: str | None,
+    columns: Sequence[int],
+    time: int | None,
+    gyro: Unit,
+    accel: Unit,
+    time_check: TimeCheck,
+    advance: Advance,
+) -> Recording:
+    """A variable of a MAT file.
+
+    Args:
+        path: the file.
+        variable: its name.
+        columns: six column numbers (from 1), gyro x, y, z, accelerometer x, y, z.
+        time: number of the time column, or None.
+        gyro, accel: the units.
+        time_check: checks the time column.
+        advance: told the bytes read: the whole file, once it is loaded.
+
+    Raises:
+        InputError: scipy is absent, the file is no MAT file or of version 7.3, or there is no such
+            matrix.
+    """
+    matrix = _matrix(path, variable)
+    for column in (*columns, *([] if time is None else [time])):
+        if not 1 <= column <= matrix.shape[1]:
+            raise InputError(
+                f"{path}: {variable} has columns 1 to {matrix.shape[1]}, not {column}; give"
+                " --gyro-columns and --accel-columns"
+            )
+    advance(path.stat().st_size)
+    notes = {"columns": f"{variable}: " + ", ".join(map(str, columns))}
+    places = [column - 1 for column in columns]
+
+    def chunks() -> Iterator[Samples]:
+        for first in range(0, len(matrix), _CHUNK_ROWS):
+            part = matrix[first : first + _CHUNK_ROWS]
+            values = part[:, places]
+            if not np.isfinite(values).all():
+                row, at = (int(i) for i in np.argwhere(~np.isfinite(values))[0])
+                raise InputError(
+                    f"{path}: {variable}({first + row + 1}, {columns[at]}) is"
+                    f" {values[row, at]}, give a finite number"
+                )
+            if time is not None:
+                time_check(part[:, time - 1])
+            yield Samples(values)
+        if time is not None:
+            notes["time"] = time_check.note()
+
+    return Recording(gyro, accel, chunks(), notes=notes)
+
+
+def _matrix(path: Path, variable: str | None) -> NDArray[np.float64]:
+    """The variable as a matrix of floats."""
+    try:
+        from scipy.io import loadmat, whosmat
+        from scipy.io.matlab import MatReadError
+    except ImportError as error:
+        raise InputError(
+            f"{path}: reading MAT files needs scipy, run: pip install 'sculler[formats]'"
+        ) from error
+    try:
+        names = [name for name, _, _ in whosmat(path)]
+        if variable not in names:
+            chosen = "" if variable is None else f"no variable {variable!r}, "
+            raise InputError(f"{path}: {chosen}give --variable, one of {', '.join(names)}")
+        value: Any = loadmat(path, variable_names=[variable])[variable]
+    except NotImplementedError as error:
+        raise InputError(
+            f"{path}: a MAT file of version 7.3, save it again with MATLAB's save -v7"
+        ) from error
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot read the log ({error.strerror}), check the path"
+        ) from error
+    except InputError:
+        raise
+    except (MatReadError, ValueError, TypeError, KeyError, struct.error, zlib.error) as error:
+        raise InputError(f"{path}: not a whole MAT file ({error}), write it again") from error
+    if not isinstance(value, np.ndarray) or value.ndim != 2 or value.dtype.kind not in "iuf":
+        raise InputError(f"{path}: {variable} is not a matrix of real numbers, give another")
+    if not len(value):
+        raise InputError(f"{path}: {variable} has no rows, give samples")
+    return value.astype(np.float64)

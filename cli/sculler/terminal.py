@@ -1,0 +1,205 @@
+"""What the verbs share: arguments, progress on a terminal, and the report at the end."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+    from rich.progress import Progress, TaskID
+
+    from sculler_model.design import Design
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+PROGRESS_AFTER = 1.0
+"""Seconds of work before a progress bar appears."""
+
+
+class _Output(click.Path):
+    name = "file"
+
+    def __init__(self) -> None:
+        super().__init__(dir_okay=False, path_type=Path)
+
+
+def number_type(
+    least: float = -math.inf, most: float = math.inf, above: bool = False
+) -> Callable[[str], float]:
+    """An option's type: a finite number, at least `least` (or above it), at most `most`."""
+    limits = [f"{'>' if above else '>='} {least:g}"] * (least > -math.inf)
+    limits += [f"<= {most:g}"] * (most < math.inf)
+    allowed = " ".join(["a finite number", " and ".join(limits)]).strip()
+
+    def number(text: str | float) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        inside = least <= value <= most and not (above and value == least)
+        if not (inside and math.isfinite(value)):
+            raise click.BadParameter(f"{text!r} is not allowed, give {allowed}")
+        return value
+
+    return number
+
+
+def examples(*commands: str) -> str:
+    """The end of a verb's help: commands to copy, each on lines of its own."""
+    title = "Example:" if len(commands) == 1 else "Examples:"
+    return "\n\n".join([title, *(f"\b\n  {command}" for command in commands)])
+
+
+def json_option(command: Command) -> Command:
+    """`--json`: one JSON object on stdout and nothing else."""
+    return click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")(
+        command
+    )
+
+
+def design_argument(command: Command) -> Command:
+    """DESIGN: a design file or a preset's name; the verb gets the text, see `load_design`."""
+    return click.argument("design_name", metavar="DESIGN")(command)
+
+
+def log_argument(command: Command) -> Command:
+    """LOG: a core log, or `-`."""
+    return click.argument("log", metavar="LOG")(command)
+
+
+def output_option(command: Command) -> Command:
+    """`-o FILE`, required."""
+    return click.option(
+        "-o", "--output", type=_Output(), required=True, metavar="FILE", help="Where to write."
+    )(command)
+
+
+def load_design(name: str) -> Design:
+    """The design of a TOML file, or of a preset if there is no such file.
+
+    Raises:
+        InputError: neither, or the file has faults.
+    """
+    from sculler_model.design import Design
+    from sculler_model.errors import InputError
+    from sculler_model.presets import PRESETS
+
+    if Path(name).exists():
+        return Design.load(name)
+    if name in PRESETS:
+        return Design.preset(name)
+    raise InputError(
+        f"{name}: no such design file, give a path, or a preset: {', '.join(sorted(PRESETS))}"
+    )
+
+
+def report(data: Mapping[str, Any], as_json: bool, *renderables: RenderableType) -> None:
+    """Tell the result on stdout: as JSON, or as the given rich renderables."""
+    if as_json:
+        click.echo(json.dumps(data))
+        return
+    console = stdout_console()
+    for renderable in renderables:
+        console.print(renderable, soft_wrap=isinstance(renderable, str))
+
+
+def stdout_console() -> Console:
+    """Stdout through rich; what is not a terminal gets 120 columns and no colour."""
+    from rich.console import Console
+
+    return Console(file=sys.stdout, highlight=False, width=None if sys.stdout.isatty() else 120)
+
+
+def facts(rows: Mapping[str, str], title: str | None = None) -> RenderableType:
+    """A table of two columns, name and value."""
+    from rich.table import Table
+
+    table = Table(
+        title=title, title_justify="left", title_style="bold", show_header=False, box=None
+    )
+    table.add_column(style="cyan", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, value in rows.items():
+        table.add_row(name, value)
+    return table
+
+
+def plural(count: int, thing: str) -> str:
+    """`1 sample`, `2,000 samples`."""
+    return f"{count:,} {thing}" + ("" if count == 1 else "s")
+
+
+def file_size(path: str | Path) -> int | None:
+    """Bytes of a file, for progress; None for `-` or where it cannot be told."""
+    try:
+        return Path(path).stat().st_size
+    except OSError:
+        return None
+
+
+Advance = Callable[[int], None]
+"""Tell a progress bar that this much more is done."""
+
+
+def three_digits(value: float) -> str:
+    """1.5, 5,900, 0.000761: three significant digits, without an exponent where they are many."""
+    if abs(value) >= 1000:
+        return f"{float(f'{value:.3g}'):,.0f}"
+    return f"{value:.3g}"
+
+
+def silent(amount: int) -> None:
+    """An `Advance` that tells nobody."""
+
+
+@contextmanager
+def progress(description: str, total: int | None) -> Iterator[Advance]:
+    """A progress bar on stderr: only on a terminal, and only once the work has lasted a second.
+
+    Args:
+        description: what is going on.
+        total: the amount of work in the unit of `Advance`; None if unknown.
+    """
+    if not sys.stderr.isatty():
+        yield silent
+        return
+    bar = _LateBar(description, total)
+    try:
+        yield bar.advance
+    finally:
+        bar.stop()
+
+
+class _LateBar:
+    """A rich progress bar that shows itself after `PROGRESS_AFTER` seconds."""
+
+    def __init__(self, description: str, total: int | None) -> None:
+        self._description, self._total = description, total
+        self._start, self._done = time.monotonic(), 0
+        self._bar: Progress | None = None
+        self._task: TaskID | None = None
+
+    def advance(self, amount: int) -> None:
+        self._done += amount
+        if self._bar is None and time.monotonic() - self._start > PROGRESS_AFTER:
+            from rich.console import Console
+            from rich.progress import Progress
+
+            self._bar = Progress(console=Console(stderr=True), transient=True)
+            self._task = self._bar.add_task(self._description, total=self._total)
+            self._bar.start()
+        if self._bar is not None and self._task is not None:
+            self._bar.update(self._task, completed=self._done)
+
+    def stop(self) -> None:
+        if self._bar is not None:
+            self._bar.stop()
