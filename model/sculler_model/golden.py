@@ -6,11 +6,12 @@ not fast; `sculler_model.fast` is its fast twin and is tested equal to it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.vectors import AXES, STATUS_FAULT, STATUS_SHORT_HISTORY, Result, Vec
+from sculler_model.wordlength import WordLengths
 
 Sample = tuple[Vec, Vec, int]
 """One six-axis reading: gyro counts, accelerometer counts, fault flag (0 or 1)."""
@@ -33,6 +34,21 @@ def times(factor: int, a: Vec) -> Vec:
 
 
 ZERO: Vec = (0, 0, 0)
+
+
+def check_widths(words: WordLengths, t: int, counts: Sequence[int]) -> None:
+    """See that the six counts of sample t (gyro x, y, z, accelerometer x, y, z) fit the sensors.
+
+    Raises:
+        InputError: naming the first that does not.
+    """
+    for column, count in enumerate(counts):
+        name, allowed = ("gyro", words.gyro) if column < 3 else ("accel", words.accel)
+        if count not in allowed:
+            raise InputError(
+                f"sample {t}: {name}_{AXES[column % 3]} = {count} does not fit"
+                f" {allowed.bits} bits, give {allowed.lo} to {allowed.hi}"
+            )
 
 
 class GoldenModel:
@@ -82,7 +98,7 @@ class GoldenModel:
             InputError: a count does not fit the sensor's width.
         """
         table = self.design.table
-        self._check(gyro, accel)
+        check_widths(self.design.words, self.t, (*gyro, *accel))
         self.s.append(gyro)
         self.r.append(accel)
         if fault:
@@ -134,13 +150,3 @@ class GoldenModel:
             result = self.step(gyro, accel, fault)
             if result is not None:
                 yield result
-
-    def _check(self, gyro: Vec, accel: Vec) -> None:
-        words = self.design.words
-        for name, counts, allowed in (("gyro", gyro, words.gyro), ("accel", accel, words.accel)):
-            for axis, count in zip(AXES, counts, strict=True):
-                if count not in allowed:
-                    raise InputError(
-                        f"sample {self.t}: {name}_{axis} = {count} does not fit"
-                        f" {allowed.bits} bits, give {allowed.lo} to {allowed.hi}"
-                    )

@@ -1,0 +1,87 @@
+"""Results as arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sculler_model.blocks import VectorBlock, component_dtype
+from sculler_model.vectors import COLUMNS, COMPONENTS, VECTORS, Result
+from strategies import DESIGNS
+
+RESULTS = [
+    Result(major, major % 4, *((10 * v + major, v, -v) for v in range(1, 7))) for major in range(5)
+]
+
+
+def test_column_names() -> None:
+    assert ",".join(COLUMNS) == (
+        "major,status,alpha_x,alpha_y,alpha_z,coning_within_x,coning_within_y,coning_within_z,"
+        "coning_between_x,coning_between_y,coning_between_z,nu_x,nu_y,nu_z,sculling_within_x,"
+        "sculling_within_y,sculling_within_z,sculling_between_x,sculling_between_y,"
+        "sculling_between_z"
+    )
+    assert Result._fields[2:] == VECTORS
+
+
+@pytest.mark.parametrize("kind", [np.int64, object])
+def test_results_come_back_as_rows(kind: type) -> None:
+    block = VectorBlock.from_results(RESULTS, np.dtype(kind))
+    assert block.components.dtype == np.dtype(kind)
+    assert len(block) == 5
+    rows = list(block.rows())
+    assert rows == [result.row() for result in RESULTS]
+    assert all(type(value) is int for row in rows for value in row)
+
+
+def test_rows_of_more_than_64_bits() -> None:
+    huge = RESULTS[0]._replace(sculling_within=(2**90, -(2**90), 2**63))
+    block = VectorBlock.from_results([huge])
+    assert list(block.rows()) == [huge.row()]
+    with pytest.raises(OverflowError):
+        VectorBlock.from_results([huge], np.dtype(np.int64))
+
+
+def test_vector_by_name() -> None:
+    block = VectorBlock.from_results(RESULTS)
+    for name in VECTORS:
+        assert block.vector(name).tolist() == [list(getattr(r, name)) for r in RESULTS]
+
+
+def test_empty_and_concatenate() -> None:
+    empty = VectorBlock.empty(np.dtype(np.int64))
+    assert (len(empty), empty.components.shape, list(empty.rows())) == (0, (0, 18), [])
+    assert len(VectorBlock.from_results([])) == 0
+    whole = VectorBlock.from_results(RESULTS, np.dtype(np.int64))
+    parts = [
+        VectorBlock.from_results(part, np.dtype(np.int64)) for part in (RESULTS[:2], RESULTS[2:])
+    ]
+    joined = VectorBlock.concatenate([parts[0], empty, parts[1]])
+    assert list(joined.rows()) == list(whole.rows())
+    assert joined.components.dtype == np.int64
+    with pytest.raises(ValueError, match="at least one"):
+        VectorBlock.concatenate([])
+
+
+def test_first_difference() -> None:
+    block = VectorBlock.from_results(RESULTS)
+    assert block.first_difference(VectorBlock.from_results(RESULTS)) is None
+    changed = [*RESULTS[:3], RESULTS[3]._replace(nu=(43, 4, 0), alpha=(13, 1, 9)), RESULTS[4]]
+    assert block.first_difference(VectorBlock.from_results(changed)) == (3, "alpha_z", -1, 9)
+    status = [RESULTS[0]._replace(status=2), *changed[1:]]
+    assert block.first_difference(VectorBlock.from_results(status)) == (0, "status", 0, 2)
+    # rows that only one of them has are for the caller to count
+    assert block.first_difference(VectorBlock.from_results(RESULTS[:2])) is None
+
+
+def test_component_dtype_follows_the_widest_vector() -> None:
+    assert component_dtype(DESIGNS["stim300_4x5"]) == np.int64
+    assert component_dtype(DESIGNS["taylor_6p2"]) == np.int64  # 63 bits
+    assert component_dtype(DESIGNS["wide_5p0"]) == np.dtype(object)
+    widest = {
+        name: max(getattr(design.words, vector).bits for vector in VECTORS)
+        for name, design in DESIGNS.items()
+    }
+    for name, design in DESIGNS.items():
+        assert (component_dtype(design) == np.int64) == (widest[name] <= 64)
+    assert len(COMPONENTS) == 18

@@ -1,0 +1,329 @@
+"""The fast twin equals the reference model, number by number."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sculler_model import fast
+from sculler_model.blocks import VectorBlock, component_dtype
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.fast import FastModel, run_fast
+from sculler_model.golden import GoldenModel
+from sculler_model.wordlength import Interval
+from strategies import DESIGNS, Counts, designs, make_design, random_counts
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(20120217)
+
+
+def golden(design: Design, counts: Counts, faults: Any = None) -> VectorBlock:
+    marks = [0] * len(counts) if faults is None else [int(bool(f)) for f in faults]
+    samples = (
+        ((a, b, c), (d, e, f), mark)
+        for (a, b, c, d, e, f), mark in zip(counts.tolist(), marks, strict=True)
+    )
+    results = list(GoldenModel(design).run(samples))
+    return VectorBlock.from_results(results, component_dtype(design))
+
+
+def assert_same(ours: VectorBlock, theirs: VectorBlock) -> None:
+    assert len(ours) == len(theirs)
+    assert ours.first_difference(theirs) is None
+    assert ours.components.dtype == theirs.components.dtype
+    assert ours.major.dtype == ours.status.dtype == np.int64
+
+
+def in_chunks(design: Design, counts: Counts, cuts: list[int], faults: Any = None) -> VectorBlock:
+    model = FastModel(design)
+    edges = [0, *sorted(cuts), len(counts)]
+    blocks = []
+    for start, stop in pairwise(edges):
+        part = None if faults is None else faults[start:stop]
+        blocks.append(model.feed(counts[start:stop], part))
+        assert model.samples == stop
+        assert model.leftover == stop % design.samples_per_major
+    return VectorBlock.concatenate(blocks)
+
+
+@pytest.mark.parametrize("few_minors", [0, fast.FEW_MINORS, 4096])
+@pytest.mark.parametrize("name", DESIGNS)
+def test_equals_golden_for_named_designs(
+    name: str, few_minors: int, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fast, "FEW_MINORS", few_minors)
+    monkeypatch.setattr(fast, "BLOCK", 50)
+    design = DESIGNS[name]
+    span = design.samples_per_major
+    counts = random_counts(design, 7 * span + span // 2 + 1, rng)
+    faults = rng.random(len(counts)) < 0.5 / span
+    expected = golden(design, counts, faults)
+    assert_same(run_fast(design, counts, faults), expected)
+    cuts = rng.integers(0, len(counts), 9).tolist()
+    assert_same(in_chunks(design, counts, cuts, faults), expected)
+
+
+@settings(max_examples=80, deadline=None)
+@given(design=designs(), data=st.data())
+def test_equals_golden_for_any_design(design: Design, data: st.DataObject) -> None:
+    span = design.samples_per_major
+    majors = data.draw(st.integers(1, max(2, 200 // span)))
+    rng = np.random.default_rng(data.draw(st.integers(0, 2**32)))
+    counts = random_counts(design, min(majors * span + 3, 2000), rng)
+    cuts = data.draw(st.lists(st.integers(0, len(counts)), max_size=6))
+    few, block = data.draw(st.sampled_from([0, 16, 4096])), data.draw(st.integers(1, 400))
+    with mock.patch.object(fast, "FEW_MINORS", few), mock.patch.object(fast, "BLOCK", block):
+        assert_same(in_chunks(design, counts, cuts), golden(design, counts))
+
+
+@pytest.mark.parametrize(
+    ("n", "p", "minors", "bits", "majors"),
+    [
+        (1, 1, 4096, (8, 9), 2),
+        (2, 1, 4096, (32, 30), 1),
+        (16, 16, 3, (32, 31), 4),
+        (16, 16, 1, (8, 32), 9),
+        (16, 0, 64, (32, 32), 1),
+        (13, 5, 2, (24, 24), 5),
+    ],
+)
+@pytest.mark.parametrize("lowest", [False, True], ids=["mixed", "all most negative"])
+def test_equals_golden_at_the_corners(
+    n: int,
+    p: int,
+    minors: int,
+    bits: tuple[int, int],
+    majors: int,
+    lowest: bool,
+    rng: np.random.Generator,
+) -> None:
+    design = make_design("corner", n, p, minors, bits)
+    counts = random_counts(design, majors * design.samples_per_major, rng)
+    if lowest:
+        # every product at its end with a constant sign: x and y samples against z
+        words = design.words
+        counts[:] = [words.gyro.lo] * 3 + [words.accel.lo] * 3
+        counts[n - 1 :: n, 0::3] = words.gyro.hi, words.accel.hi
+    assert_same(run_fast(design, counts), golden(design, counts))
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    taps=st.lists(st.integers(-(10**80), 10**80), min_size=1, max_size=6).filter(any),
+    weights=st.lists(st.integers(-(10**60), 10**60), min_size=1, max_size=4).filter(any),
+    bits=st.tuples(st.integers(8, 32), st.integers(8, 32)),
+    seed=st.integers(0, 2**32),
+)
+def test_equals_golden_for_coefficients_of_hundreds_of_bits(
+    taps: list[int], weights: list[int], bits: tuple[int, int], seed: int
+) -> None:
+    design = make_design("huge", 3, 1, 4, bits, denominator=1, taps=taps, weights=weights)
+    counts = random_counts(design, 40, np.random.default_rng(seed))
+    assert_same(run_fast(design, counts), golden(design, counts))
+
+
+def test_digits_are_used_where_a_component_can_pass_64_bits_and_only_there() -> None:
+    for design in DESIGNS.values():
+        wide = component_dtype(design).kind == "O"
+        assert (fast._digit_bits(design) < 64) == wide
+    assert component_dtype(DESIGNS["wide_5p0"]).kind == "O"
+    assert component_dtype(DESIGNS["stim300_4x5"]) == np.int64
+
+
+@pytest.mark.parametrize("bits", [1, 2, 7, 20])
+@pytest.mark.parametrize("width", [1, 2, 8, 9, 21, 22, 40])
+def test_digits_hold_every_number_of_a_word(bits: int, width: int) -> None:
+    word = Interval.signed(width)
+    count = fast._length(word, bits)
+    for number in (word.lo, word.lo + 1, -1, 0, word.hi // 3, word.hi):
+        digits = fast._digits(number, bits, count)
+        assert sum(digit << bits * i for i, digit in enumerate(digits)) == number
+        assert all(0 <= digit < 1 << bits for digit in digits[:-1])
+        assert digits[-1] in Interval.signed(bits + 1)
+
+
+@pytest.mark.parametrize("minors", [1, 2, 3, 20, 40])
+@pytest.mark.parametrize("phases", [[16], [2, 4, 6, 8, 10, 12, 14, 16]])
+def test_digits_at_their_largest(minors: int, phases: list[int]) -> None:
+    # taps at even phases, y full scale before them and z at them: nothing cancels, and all but
+    # the highest digits are as large as digits can be
+    taps = [[1] if k in phases else [] for k in range(1, 17)]
+    one: dict[str, Any] = {"denominator": 1, "taps": taps, "weights": [1]}
+    design = make_design("even", 16, 0, minors, (32, 32), **one)
+    full = 2**31 - 1
+    counts = np.zeros((design.samples_per_major, 6), np.int64)
+    counts[0::2, [1, 4]] = counts[1::2, [2, 5]] = full
+    # of the sums theta, y in the first half and z in the second
+    counts[15 : 16 * (minors // 2) : 16] = [0, full, 0, 0, full, 0]
+    expected = golden(design, counts)
+    assert component_dtype(design).kind == "O"
+    assert_same(run_fast(design, counts), expected)
+
+
+def test_one_sample_at_a_time(rng: np.random.Generator) -> None:
+    design = DESIGNS["taylor_3p1"]
+    counts = random_counts(design, 50, rng)
+    assert_same(in_chunks(design, counts, list(range(1, 50))), golden(design, counts))
+
+
+def test_several_blocks_at_full_size(rng: np.random.Generator) -> None:
+    design = DESIGNS["late_sum_2"]
+    counts = random_counts(design, 3 * fast.BLOCK // 2, rng)
+    whole = run_fast(design, counts)
+    assert_same(in_chunks(design, counts, [fast.BLOCK - 7, fast.BLOCK + 1]), whole)
+    early = golden(design, counts[: 5 * design.samples_per_major])
+    assert_same(VectorBlock(whole.major[:5], whole.status[:5], whole.components[:5]), early)
+
+
+@pytest.mark.parametrize(
+    "dtype", ["int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", ">i4"]
+)
+def test_any_integer_type_and_memory_order(dtype: str, rng: np.random.Generator) -> None:
+    design = DESIGNS["smallest"]
+    counts = rng.integers(0 if "u" in dtype else -128, 128, (40, 6))
+    expected = golden(design, counts)
+    assert_same(run_fast(design, counts.astype(dtype)), expected)
+    assert_same(run_fast(design, np.asfortranarray(counts.astype(dtype))), expected)
+    assert_same(run_fast(design, np.repeat(counts.astype(dtype), 2, axis=0)[::2]), expected)
+    assert_same(in_chunks(design, counts.astype(dtype), [0, 3, 3, 20]), expected)
+    assert_same(run_fast(design, counts.tolist()), expected)
+
+
+def test_kept_samples_are_copies(rng: np.random.Generator) -> None:
+    design = DESIGNS["taylor_2p1"]
+    counts = random_counts(design, 30, rng)
+    model, buffer = FastModel(design), np.empty((10, 6), np.int64)
+    blocks = []
+    for start in (0, 10, 20):
+        buffer[:] = counts[start : start + 10]
+        blocks.append(model.feed(buffer))
+    assert_same(VectorBlock.concatenate(blocks), golden(design, counts))
+
+
+def test_reset_forgets_history_faults_and_the_incomplete_interval(
+    rng: np.random.Generator,
+) -> None:
+    design = DESIGNS["taylor_2p1"]
+    model = FastModel(design)
+    model.feed(random_counts(design, 19, rng), np.ones(19, bool))
+    model.reset()
+    assert (model.samples, model.leftover) == (0, 0)
+    counts = random_counts(design, 42, rng)
+    assert_same(model.feed(counts), golden(design, counts))
+
+
+def test_faults_mark_their_interval_alone(rng: np.random.Generator) -> None:
+    design = DESIGNS["stim300_4x5"]
+    counts = random_counts(design, 100, rng)
+    faults = np.zeros(100, np.int8)
+    faults[[20, 59, 60]] = 1, 1, -7
+    expected = [0, 2, 2, 2, 0]
+    assert run_fast(design, counts, faults).status.tolist() == expected
+    assert run_fast(design, counts, faults != 0).status.tolist() == expected
+    assert in_chunks(design, counts, [30, 59, 70], faults).status.tolist() == expected
+
+
+def test_no_samples() -> None:
+    design = DESIGNS["stim300_4x5"]
+    model = FastModel(design)
+    block = model.feed(np.zeros((0, 6), np.int32))
+    assert (len(block), block.components.shape, model.samples) == (0, (0, 18), 0)
+
+
+@pytest.mark.parametrize(
+    ("column", "name", "lo", "hi"),
+    [(0, "gyro_x", -128, 127), (2, "gyro_z", -128, 127), (4, "accel_y", -1024, 1023)],
+)
+@pytest.mark.parametrize("sample", [0, 5, 21, 52, 63])
+@pytest.mark.parametrize("below", [False, True])
+def test_count_outside_the_width_is_refused_whole(
+    column: int, name: str, lo: int, hi: int, sample: int, below: bool, rng: np.random.Generator
+) -> None:
+    design = DESIGNS["dense_odd_3"]
+    first, counts = random_counts(design, 4, rng), random_counts(design, 64, rng)
+    good = counts.copy()
+    count = lo - 1 if below else hi + 1
+    counts[sample, column] = counts[min(sample + 1, 63), 5] = count
+    counts[sample, 5] = 0
+    counts[63, 1] = 999
+    bits = {127: 8, 1023: 11}[hi]
+    if sample == 63 and column > 1:
+        column, name, count, lo, hi, bits = 1, "gyro_y", 999, -128, 127, 8
+    message = f"sample {4 + sample}: {name} = {count} does not fit {bits} bits, give {lo} to {hi}"
+    model = FastModel(design)
+    blocks = [model.feed(first)]
+    with pytest.raises(InputError) as raised:
+        model.feed(counts, np.ones(64, bool))
+    assert str(raised.value) == message
+    assert model.samples == 4
+    blocks.append(model.feed(good))
+    assert_same(VectorBlock.concatenate(blocks), golden(design, np.concatenate([first, good])))
+
+
+def test_count_outside_the_width_is_refused_before_an_interval_is_complete() -> None:
+    design = DESIGNS["stim300_4x5"]
+    model = FastModel(design)
+    model.feed(np.zeros((3, 6), int))
+    bad = np.zeros((2, 6), int)
+    bad[1, 2] = -(2**23) - 1
+    with pytest.raises(InputError, match="sample 4: gyro_z = -8388609 does not fit 24 bits"):
+        model.feed(bad)
+    assert (model.samples, model.leftover) == (3, 3)
+    assert model.feed(np.ones((17, 6), int)).components[0, 0] == 17
+
+
+def test_the_message_is_the_reference_models(rng: np.random.Generator) -> None:
+    design = DESIGNS["wide_5p0"]
+    counts = random_counts(design, 40, rng)
+    counts[37, 3] = 1 << 31
+    messages = []
+    for run in (run_fast, golden):
+        with pytest.raises(InputError) as raised:
+            run(design, counts)
+        messages.append(str(raised.value))
+    assert messages[0] == messages[1]
+    assert "sample 37: accel_x = 2147483648 does not fit 32 bits" in messages[0]
+
+
+@pytest.mark.parametrize("value", [2**63, 2**64 - 1])
+def test_unsigned_counts_do_not_wrap(value: int) -> None:
+    design = DESIGNS["smallest"]
+    counts = np.zeros((3, 6), np.uint64)
+    counts[1, 3] = value
+    model = FastModel(design)
+    model.feed(np.zeros((2, 6), int))
+    with pytest.raises(InputError, match=f"sample 3: accel_x = {value} does not fit 9 bits"):
+        model.feed(counts)
+
+
+@pytest.mark.parametrize(
+    "counts",
+    [
+        np.zeros((4, 6)),
+        np.full((4, 6), np.nan),
+        np.zeros((4, 6), np.bool_),
+        np.zeros((4, 6), object),
+        np.zeros((4, 5), int),
+        np.zeros(6, int),
+        np.zeros((2, 2, 6), int),
+        [],
+    ],
+)
+def test_counts_of_another_form_are_refused(counts: Any) -> None:
+    with pytest.raises(InputError, match=r"^counts: .* give integers of shape \(N, 6\)$"):
+        run_fast(DESIGNS["smallest"], counts)
+
+
+@pytest.mark.parametrize("faults", [[0], [[0], [1]], [0.0, 1.0], ["0", "1"], [True] * 3])
+def test_faults_of_another_form_are_refused(faults: Any) -> None:
+    with pytest.raises(InputError, match=r"^faults: .* give 2 integers or booleans"):
+        run_fast(DESIGNS["smallest"], np.zeros((2, 6), int), faults)
