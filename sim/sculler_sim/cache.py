@@ -1,0 +1,51 @@
+"""The folder where compiled simulators are kept between runs.
+
+It is $SCULLER_CACHE, else $XDG_CACHE_HOME/sculler, else ~/.cache/sculler, and may be deleted at any
+time.  An entry's name hashes everything it is made of, so no entry is ever out of date.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+
+from sculler_model.errors import InputError
+from sculler_sim.files import make_folder
+
+
+def folder() -> Path:
+    """The cache folder, made if need be.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    chosen, base = os.environ.get("SCULLER_CACHE"), os.environ.get("XDG_CACHE_HOME")
+    if chosen:
+        return make_folder(chosen)
+    return make_folder((Path(base) if base else Path.home() / ".cache") / "sculler")
+
+
+def workshop() -> tempfile.TemporaryDirectory[str]:
+    """A folder to make an entry in, on the same file system; removed when left.
+
+    Raises:
+        InputError: the cache folder cannot be written to.
+    """
+    try:
+        return tempfile.TemporaryDirectory(prefix="build-", dir=folder().resolve())
+    except OSError as error:
+        raise InputError(
+            f"{folder()}: cannot write to the cache folder ({error.strerror}), set SCULLER_CACHE to"
+            " another"
+        ) from error
+
+
+def entry(name: str, suffix: str, *made_of: str | bytes) -> Path:
+    """Path of the entry made of these texts, there or not; absolute."""
+    digest = hashlib.sha256()
+    for part in made_of:
+        data = part.encode() if isinstance(part, str) else part
+        digest.update(len(data).to_bytes(8, "little") + data)
+    return folder().resolve() / f"{name}-{digest.hexdigest()[:24]}{suffix}"

@@ -1,0 +1,64 @@
+"""First difference of two vectors files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import zip_longest
+from pathlib import Path
+
+from sculler_model.vectors import COLUMNS
+from sculler_sim.vectors_file import check_row, data_lines, integers
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Where two vectors files first differ.
+
+    Attributes:
+        row: row counted from 0.
+        major: the row's `major` (the first file's, where it has the row).
+        column: name of the first unequal column; `major` where one file has ended.
+        first, second: the two values; None where that file has ended.
+    """
+
+    row: int
+    major: int
+    column: str
+    first: int | None
+    second: int | None
+
+    def describe(self, first: str | Path, second: str | Path) -> str:
+        """One line for people, the files under the given names."""
+        for value, ended, other in ((self.first, first, second), (self.second, second, first)):
+            if value is None:
+                return (
+                    f"{ended} ends after {self.row} rows, {other} goes on with major {self.major}"
+                )
+        return (
+            f"major {self.major} (row {self.row}), {self.column}: {self.first} in {first},"
+            f" {self.second} in {second}"
+        )
+
+
+def compare(first: str | Path, second: str | Path) -> Difference | None:
+    """First difference of two vectors files, or None where every integer is the same.
+
+    The files are streamed.  Rows whose text is equal are not taken apart, only checked for form.
+
+    Raises:
+        InputError: a file cannot be read, is cut short, or a header or cell is wrong.
+    """
+    both = zip_longest(data_lines(first), data_lines(second))
+    for row, (ours, theirs) in enumerate(both):
+        if ours is None or theirs is None:
+            there = integers(first, *ours) if ours else integers(second, *theirs)
+            values = (there[0], None) if ours else (None, there[0])
+            return Difference(row, there[0], "major", *values)
+        if ours[1] == theirs[1]:
+            check_row(first, *ours)
+            continue
+        a, b = integers(first, *ours), integers(second, *theirs)
+        for column, left, right in zip(COLUMNS, a, b, strict=True):
+            if left != right:
+                return Difference(row, a[0], column, left, right)
+    return None

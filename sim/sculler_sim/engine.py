@@ -1,0 +1,172 @@
+"""One interface to both simulators: samples in, results out, streaming; or every port's trace.
+
+The rules of a run, whatever the engine:
+
+* The stimulus says in which clocks a sample is offered; once offered it stays offered, unchanged,
+  until it is taken.  It is taken in a clock with `sample_valid`, `sample_ready` and not `rst`; a
+  result is taken in a clock with `result_valid`, `result_ready` and not `rst`.
+* While nothing is offered the sample ports show the next sample's complement, with `fault` set:
+  a core that looked at them then would give itself away.
+* After the last sample the run goes on until the results of all complete major intervals have
+  been taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_hdl.core import core_latency
+from sculler_model.blocks import VectorBlock, component_dtype
+from sculler_model.cycles import CycleModel, Ports
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_sim import amaranth_engine, verilator_engine
+from sculler_sim.run import CheckedChunk, Chunk, PortTrace, Progress, check_chunks
+from sculler_sim.stimulus import Stimulus
+from sculler_sim.surroundings import Surroundings
+
+EngineName = Literal["verilator", "amaranth", "model"]
+"""`model` is the cycle-accurate model under the same stimulus: the reference for the other two."""
+
+_RESULTS = 1 << 10  # results put into one block by the engines that go clock by clock
+
+
+class Run(Iterator[VectorBlock]):
+    """A simulation under way: iterate over it for the results, in order.
+
+    Attributes:
+        progress: clocks, samples and results up to the last block given.
+    """
+
+    def __init__(self, design: Design, blocks: Callable[[Progress], Iterator[VectorBlock]]) -> None:
+        self.progress = Progress()
+        self._design = design
+        self._blocks = blocks(self.progress)
+
+    def __next__(self) -> VectorBlock:
+        return next(self._blocks)
+
+    @property
+    def leftover(self) -> int:
+        """Samples so far in a major interval that is not complete, which gives no result."""
+        return self.progress.since_reset % self._design.samples_per_major
+
+
+def simulate(
+    design: Design,
+    chunks: Iterable[Chunk],
+    *,
+    engine: EngineName = "verilator",
+    stimulus: Stimulus | None = None,
+    wave: Path | None = None,
+) -> Run:
+    """Run the core over all samples.
+
+    Nothing happens before the first step of the iteration; memory is bounded by the chunks' size.
+
+    Args:
+        design: the design.
+        chunks: the samples, in order.
+        engine: `verilator` (the emitted Verilog, compiled), `amaranth` (the Amaranth design in its
+            own simulator), or `model`.
+        stimulus: levels of the handshakes and the reset; without stalls if not given.
+        wave: waveform to write: .vcd, or with Verilator also .fst; complete when the run is.
+
+    Returns:
+        The run, an iterator over the results; its `progress` and `leftover` say how far it came.
+
+    Raises (in the iteration):
+        InputError: a chunk of wrong shape, a count outside the sensor's width, a missing tool, a
+            wave file that cannot be written.
+        SimulationError: the core hangs.
+    """
+    stimulus = stimulus or Stimulus.always()
+    checked = check_chunks(design, chunks)
+
+    def blocks(progress: Progress) -> Iterator[VectorBlock]:
+        if engine == "verilator":
+            return verilator_engine.stream(design, checked, stimulus, progress, wave)
+        return _stream(design, checked, stimulus, progress, engine, wave)
+
+    return Run(design, blocks)
+
+
+def trace(
+    design: Design,
+    counts: NDArray[Any],
+    faults: NDArray[Any] | None,
+    stimulus: Stimulus,
+    clocks: int,
+    engine: EngineName,
+) -> PortTrace:
+    """Every output port on each of the first `clocks` clocks.
+
+    Args:
+        design: the design.
+        counts, faults: samples as in a chunk; when they run out, no more are offered.
+        stimulus: levels of the handshakes and the reset.
+        clocks: how many clocks to run.
+        engine: as for `simulate`.
+
+    Raises:
+        InputError: as for `simulate`.
+    """
+    checked = check_chunks(design, [(counts, faults)])
+    if engine == "verilator":
+        return verilator_engine.trace(design, checked, stimulus, clocks)
+    surroundings = Surroundings(design, checked, stimulus, Progress(), clocks)
+    return PortTrace.from_ports(list(_clocks(design, surroundings, engine, None)))
+
+
+def _stream(
+    design: Design,
+    chunks: Iterator[CheckedChunk],
+    stimulus: Stimulus,
+    progress: Progress,
+    engine: EngineName,
+    wave: Path | None,
+) -> Iterator[VectorBlock]:
+    """Results of a clock-by-clock engine, in blocks."""
+    surroundings = Surroundings(design, chunks, stimulus, progress)
+    taken = surroundings.taken
+    for _ in _clocks(design, surroundings, engine, wave):
+        if len(taken) >= _RESULTS:
+            yield _block(design, taken)
+            taken.clear()
+    if taken:
+        yield _block(design, taken)
+
+
+def _block(design: Design, rows: list[tuple[int, ...]]) -> VectorBlock:
+    table = np.array(rows, object)
+    return VectorBlock(
+        table[:, 0].astype(np.int64),
+        table[:, 1].astype(np.int64),
+        table[:, 2:].astype(component_dtype(design)),
+    )
+
+
+def _clocks(
+    design: Design, surroundings: Surroundings, engine: EngineName, wave: Path | None
+) -> Iterator[Ports]:
+    """Run to the end; the output ports of every clock."""
+    if engine == "amaranth":
+        return amaranth_engine.clocks(design, surroundings, wave)
+    if wave is not None:
+        raise InputError(f"{wave}: the model has no waveform, choose another engine")
+    return _model_clocks(design, surroundings)
+
+
+def _model_clocks(design: Design, surroundings: Surroundings) -> Iterator[Ports]:
+    model = CycleModel(design, core_latency(design))
+    while not surroundings.done:
+        now = surroundings.inputs
+        offered = now.sample if now.sample_valid else None
+        ports = model.clock(offered, now.result_ready, now.rst)
+        surroundings.clocked(ports)
+        yield ports

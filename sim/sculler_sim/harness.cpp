@@ -1,0 +1,203 @@
+// Drives one verilated core by the rules of sculler_sim/engine.py, many clocks a call.
+//
+// Follows the model and, for each design, definitions that `verilator_build.py` writes:
+//   SCULLER_SAMPLES(X)  X(member, bits) for each of the six counts, in the log's order
+//   SCULLER_RESULTS(X)  X(member, bits) for each of the 18 components, in the vectors' order
+//   SCULLER_LIMBS       64-bit words that a component takes in a row
+
+#include <cstdint>
+#include <memory>
+#include <type_traits>
+
+namespace {
+
+constexpr int64_t ROW = 2 + 18 * SCULLER_LIMBS;  // major, status, components (limbs low to high)
+
+struct Core {
+    VerilatedContext context;
+    Vcore top{start(context), ""};
+#ifdef SCULLER_TRACE
+    SCULLER_TRACE wave;
+#endif
+    bool held = false;  // a sample is offered and not yet taken
+    uint64_t clocks = 0;
+
+    static VerilatedContext* start(VerilatedContext& context) {
+        context.randReset(2);  // whatever the design does not start itself starts at random
+        context.randSeed(1);
+#ifdef SCULLER_TRACE
+        context.traceEverOn(true);
+#endif
+        return &context;
+    }
+
+    // The clock is low in the first half of each clock period, so that what the ports show at its
+    // end is what the rising edge sees.
+    void low() {
+        top.clk = 0;
+        top.eval();
+        dump(0);
+    }
+
+    void rise() {
+        top.clk = 1;
+        top.eval();
+        dump(5);
+        ++clocks;
+    }
+
+    void dump(int half) {
+#ifdef SCULLER_TRACE
+        if (wave.isOpen()) wave.dump(10 * clocks + half);
+#else
+        (void)half;
+#endif
+    }
+};
+
+template <class Port>
+void drive(Port& port, int64_t value, int bits) {
+    port = static_cast<Port>(static_cast<uint64_t>(value) & (~uint64_t{0} >> (64 - bits)));
+}
+
+uint64_t sign_extended(uint64_t value, int bits) {
+    const int unused = 64 - bits;
+    return static_cast<uint64_t>(static_cast<int64_t>(value << unused) >> unused);
+}
+
+template <class Port>
+std::enable_if_t<std::is_integral_v<Port>> read(const Port& port, int bits, uint64_t* limbs) {
+    limbs[0] = sign_extended(port, bits);
+    for (int i = 1; i < SCULLER_LIMBS; ++i) limbs[i] = limbs[0] >> 63 ? ~uint64_t{0} : 0;
+}
+
+template <std::size_t Words>
+void read(const VlWide<Words>& port, int bits, uint64_t* limbs) {
+    uint64_t sign = 0;
+    for (int i = 0; i < SCULLER_LIMBS; ++i) {
+        const int left = bits - 64 * i;
+        if (left <= 0) {
+            limbs[i] = sign;
+            continue;
+        }
+        const std::size_t word = 2 * static_cast<std::size_t>(i);
+        limbs[i] = port[word];
+        if (word + 1 < Words) limbs[i] |= static_cast<uint64_t>(port[word + 1]) << 32;
+        if (left < 64) limbs[i] = sign_extended(limbs[i], left);
+        sign = limbs[i] >> 63 ? ~uint64_t{0} : 0;
+    }
+}
+
+void read_result(Core& core, uint64_t* row) {
+    *row++ = core.top.result_major;
+    *row++ = core.top.result_status;
+#define READ(member, bits)              \
+    read(core.top.member, bits, row);   \
+    row += SCULLER_LIMBS;
+    SCULLER_RESULTS(READ)
+#undef READ
+}
+
+void drive_sample(Core& core, const int32_t* counts, uint8_t fault, bool valid) {
+    const int64_t flip = valid ? 0 : -1;  // what is not offered shows its complement
+#define DRIVE(member, bits) drive(core.top.member, *counts++ ^ flip, bits);
+    SCULLER_SAMPLES(DRIVE)
+#undef DRIVE
+    core.top.sample_fault = valid ? fault : 1;
+}
+
+}  // namespace
+
+struct Levels {
+    const uint8_t* offer;
+    const uint8_t* take;
+    const uint8_t* rst;
+};
+
+// Counted on by each call; the fields of sculler_sim.run.Progress.
+struct Progress {
+    int64_t clocks, samples, since_reset, results, results_since_reset, idle;
+};
+
+#define EXPORT extern "C" __attribute__((visibility("default")))
+
+EXPORT Core* sculler_create(const char* wave) {
+    auto core = std::make_unique<Core>();
+#ifdef SCULLER_TRACE
+    core->top.trace(&core->wave, 99);
+    core->wave.set_time_unit("1ns");
+    core->wave.set_time_resolution("1ns");
+    core->wave.open(wave);
+    if (!core->wave.isOpen()) return nullptr;
+#else
+    (void)wave;
+#endif
+    return core.release();
+}
+
+EXPORT void sculler_destroy(Core* core) {
+    core->top.final();
+#ifdef SCULLER_TRACE
+    core->wave.close();
+#endif
+    delete core;
+}
+
+// Runs up to `clocks` clocks.
+//   counts, faults: samples x 6 and samples
+//   interval: samples in a major interval
+//   rows, capacity: room for that many results taken, ROW words each
+//   handshakes, shown: null, or clocks x (sample_ready, result_valid) and clocks x ROW
+// With `shown` it runs all the clocks and puts down the ports in each of them.  Otherwise it ends
+// earlier: after the clock that takes the last sample; if there are none, as soon as all complete
+// intervals' results have been taken; or when `rows` is full.
+EXPORT void sculler_run(Core* core, const int32_t* counts, const uint8_t* faults, int64_t samples,
+                        int64_t interval, const Levels* levels, int64_t clocks, uint64_t* rows,
+                        int64_t capacity, uint8_t* handshakes, uint64_t* shown,
+                        Progress* progress) {
+    Progress p = *progress;
+    Vcore& top = core->top;
+    int64_t next = 0, taken = 0;
+    const auto ended = [&] {
+        if (taken == capacity) return true;
+        if (samples) return next == samples;
+        return p.results_since_reset >= p.since_reset / interval;
+    };
+    for (int64_t clock = 0; clock < clocks && (shown || !ended()); ++clock) {
+        const bool valid = next < samples && (levels->offer[clock] || core->held);
+        const bool take = levels->take[clock], rst = levels->rst[clock];
+        top.sample_valid = valid;
+        top.result_ready = take;
+        top.rst = rst;
+        if (next < samples) drive_sample(*core, counts + 6 * next, faults[next], valid);
+        core->low();
+        if (shown) {
+            *handshakes++ = top.sample_ready;
+            *handshakes++ = top.result_valid;
+            read_result(*core, shown);
+            shown += ROW;
+        }
+        core->held = valid;
+        ++p.clocks;
+        ++p.idle;
+        if (rst) {
+            p.since_reset = p.results_since_reset = 0;
+        } else {
+            if (valid && top.sample_ready) {
+                core->held = false;
+                ++next;
+                ++p.samples;
+                ++p.since_reset;
+                p.idle = 0;
+            }
+            if (take && top.result_valid) {
+                if (!shown) read_result(*core, rows + ROW * taken++);
+                ++p.results;
+                ++p.results_since_reset;
+                p.idle = 0;
+            }
+        }
+        core->rise();
+    }
+    *progress = p;
+}

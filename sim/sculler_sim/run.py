@@ -1,0 +1,133 @@
+"""What both engines share: samples checked, how far a run has come, and the trace of the ports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.cycles import Ports
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.golden import check_widths
+from sculler_model.vectors import COLUMNS
+from sculler_sim.stimulus import Stimulus
+
+Chunk = tuple[NDArray[Any], NDArray[Any] | None]
+"""Consecutive samples: counts (N, 6), gyro then accelerometer, and faults (N,) or None for 0."""
+
+CheckedChunk = tuple[NDArray[np.int32], NDArray[np.uint8]]
+"""The same from `check_chunks`: C-contiguous, every value legal."""
+
+
+class SimulationError(RuntimeError):
+    """The simulated core broke its contract: it stopped taking samples or giving results."""
+
+
+@dataclass
+class Progress:
+    """What a run has done so far.
+
+    Attributes:
+        clocks: clocks run.
+        samples: samples the core has taken.
+        since_reset: those of them since the last reset.
+        results: results taken.
+        results_since_reset: those of them since the last reset.
+        idle: clocks since a sample or a result was last taken.
+    """
+
+    clocks: int = 0
+    samples: int = 0
+    since_reset: int = 0
+    results: int = 0
+    results_since_reset: int = 0
+    idle: int = 0
+
+    def drained(self, design: Design) -> bool:
+        """Whether every complete major interval's result has been taken."""
+        return self.results_since_reset >= self.since_reset // design.samples_per_major
+
+    def check_alive(self, stimulus: Stimulus) -> None:
+        """Raise SimulationError if nothing has moved for much longer than the stimulus explains."""
+        if self.idle > 100_000 + 32 * stimulus.longest:
+            raise SimulationError(
+                f"the core hangs: no sample and no result taken for {self.idle} clocks after"
+                f" sample {self.samples}"
+            )
+
+
+def check_chunks(design: Design, chunks: Iterable[Chunk]) -> Iterator[CheckedChunk]:
+    """The chunks as int32 counts and uint8 faults, every value checked; empty ones left out.
+
+    Raises:
+        InputError: a chunk's shape or type is wrong or a count does not fit its port; the first
+            such sample is named.
+    """
+    words = design.words
+    allowed = [words.gyro] * 3 + [words.accel] * 3
+    lo, hi = np.array([w.lo for w in allowed]), np.array([w.hi for w in allowed])
+    first = 0
+    for counts, faults in chunks:
+        counts = np.asarray(counts)
+        if counts.ndim != 2 or counts.shape[1] != 6 or counts.dtype.kind not in "iu":
+            raise InputError(
+                f"samples from {first} on: {counts.dtype} counts of shape {counts.shape}, give"
+                " integers of shape (N, 6)"
+            )
+        marks = np.zeros(len(counts), np.uint8) if faults is None else np.asarray(faults)
+        if marks.shape != (len(counts),) or ((marks != 0) & (marks != 1)).any():
+            raise InputError(
+                f"samples from {first} on: faults of shape {marks.shape}, give {len(counts)}"
+                " of 0 or 1"
+            )
+        if not len(counts):
+            continue
+        if (counts.min(axis=0) < lo).any() or (counts.max(axis=0) > hi).any():
+            row = int(((counts < lo) | (counts > hi)).any(axis=1).argmax())
+            check_widths(words, first + row, counts[row].tolist())
+        yield np.ascontiguousarray(counts, np.int32), np.ascontiguousarray(marks, np.uint8)
+        first += len(counts)
+
+
+@dataclass(frozen=True)
+class PortTrace:
+    """The output ports on consecutive clocks from clock 0.
+
+    Attributes:
+        sample_ready, result_valid: (clocks,) of 0 and 1.
+        result: (clocks, 20) Python integers in the order of `COLUMNS`, signed as the ports are.
+    """
+
+    sample_ready: NDArray[np.uint8]
+    result_valid: NDArray[np.uint8]
+    result: NDArray[np.object_]
+
+    @classmethod
+    def from_ports(cls, ports: list[Ports]) -> PortTrace:
+        """Collect what the ports showed clock by clock."""
+        return cls(
+            np.array([p.sample_ready for p in ports], np.uint8),
+            np.array([p.result_valid for p in ports], np.uint8),
+            np.array([p.result for p in ports], object).reshape(-1, len(COLUMNS)),
+        )
+
+    def __len__(self) -> int:
+        return len(self.sample_ready)
+
+    def first_difference(self, other: PortTrace) -> tuple[int, str, int, int] | None:
+        """First unequal port as (clock, port, ours, theirs), or None; compares common clocks."""
+        common = min(len(self), len(other))
+        names = ("sample_ready", "result_valid", *(f"result_{column}" for column in COLUMNS))
+        ours, theirs = (
+            np.column_stack([t.sample_ready[:common], t.result_valid[:common], t.result[:common]])
+            for t in (self, other)
+        )
+        unequal = np.argwhere(ours != theirs)
+        if not len(unequal):
+            return None
+        clock, port = (int(i) for i in unequal[0])
+        return clock, names[port], int(ours[clock, port]), int(theirs[clock, port])

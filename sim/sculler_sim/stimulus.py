@@ -1,0 +1,107 @@
+"""Which clocks offer a sample, take a result or hold reset: the same for every engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.errors import InputError
+
+Levels8 = NDArray[np.uint8]
+
+_BLOCK = 1 << 14  # clocks drawn from one random generator, so that any clock can be reached
+_DENSITIES = (0.0, 0.15, 0.5, 0.85, 1.0)  # share of busy clocks in a stretch
+
+
+class Levels(NamedTuple):
+    """Input levels of consecutive clocks, each (clocks,) of 0 and 1."""
+
+    offer: Levels8
+    """The sensor has a sample to offer (once offered, it stays offered until taken)."""
+    take: Levels8
+    """Level of `result_ready`."""
+    rst: Levels8
+    """Level of `rst`."""
+
+
+@dataclass(frozen=True)
+class Stimulus:
+    """The levels on the handshakes and the reset, for any clock from 0 on.
+
+    Two equal objects give the same levels, however the clocks are cut into chunks.
+
+    Attributes:
+        seed: None for no stalls, else the seed of random stalls on both handshakes.
+        longest: longest stretch of clocks with one density of busy clocks.  Stretches are short
+            and long alike (log-uniform) and some are wholly idle; several major intervals long,
+            they make `sample_ready` fall.
+        resets: clocks in which `rst` is high.
+    """
+
+    seed: int | None = None
+    longest: int = 256
+    resets: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.seed is not None and self.seed < 0:
+            raise InputError(f"stall seed: {self.seed} is not allowed, give a whole number >= 0")
+        if self.longest < 1:
+            raise ValueError(f"longest: {self.longest} is not allowed, give a whole number >= 1")
+
+    @classmethod
+    def always(cls) -> Stimulus:
+        """Offer and take on every clock."""
+        return cls()
+
+    @classmethod
+    def stalls(cls, seed: int, longest: int = 256) -> Stimulus:
+        """Random stalls on both handshakes, reproducible from the seed (>= 0).
+
+        Raises:
+            InputError: the seed is negative.
+        """
+        return cls(seed, longest)
+
+    def with_resets(self, *clocks: int) -> Stimulus:
+        """The same, with `rst` high in the given clocks."""
+        return replace(self, resets=clocks)
+
+    def levels(self, start: int, clocks: int) -> Levels:
+        """Levels of `clocks` clocks from clock `start` on."""
+        end = start + clocks
+        if self.seed is None:
+            offer = take = np.ones(clocks, np.uint8)
+        else:
+            blocks = [
+                _random_block(self.seed, self.longest, index)
+                for index in range(start // _BLOCK, -(-end // _BLOCK))
+            ]
+            first = start // _BLOCK * _BLOCK
+            both = np.concatenate(blocks, axis=1) if blocks else np.zeros((2, 0), np.uint8)
+            offer, take = both[:, start - first : end - first]
+        rst = np.zeros(clocks, np.uint8)
+        rst[[clock - start for clock in self.resets if start <= clock < end]] = 1
+        return Levels(np.ascontiguousarray(offer), np.ascontiguousarray(take), rst)
+
+
+@lru_cache(maxsize=4)
+def _random_block(seed: int, longest: int, index: int) -> Levels8:
+    """Offer and take, (2, _BLOCK), of the block's clocks."""
+    rng = np.random.default_rng([seed, longest, index])
+    return np.stack([_stretches(rng, longest) for _ in range(2)])
+
+
+def _stretches(rng: np.random.Generator, longest: int) -> Levels8:
+    """_BLOCK clocks in stretches of log-uniform length, each of one density of busy clocks."""
+    lengths: list[int] = []
+    total = 0
+    while total < _BLOCK:
+        more = np.floor(np.exp(rng.uniform(0.0, np.log(longest + 1), 256))).astype(int)
+        lengths += more.clip(1, longest).tolist()
+        total += int(more.sum())
+    density = np.repeat(rng.choice(_DENSITIES, len(lengths)), lengths)[:_BLOCK]
+    return (rng.random(_BLOCK) < density).astype(np.uint8)

@@ -1,0 +1,120 @@
+"""The sensor and the host computer around the core, for engines that go clock by clock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from sculler_model.cycles import Ports
+from sculler_model.design import Design
+from sculler_model.golden import Sample
+from sculler_sim.run import CheckedChunk, Progress
+from sculler_sim.stimulus import Stimulus
+
+_LEVELS = 1 << 12  # clocks of stimulus made at a time
+
+
+class Inputs(NamedTuple):
+    """The core's inputs during one clock."""
+
+    sample_valid: int
+    sample: Sample | None
+    """What the sample ports show, valid or not; None leaves them as they are."""
+    result_ready: int
+    rst: int
+
+
+class Surroundings:
+    """Drives a core by the rules of `sculler_sim.engine`.
+
+    In each clock the engine drives `inputs` and then gives what the ports showed to `clocked`.
+
+    Args:
+        design: the design.
+        chunks: the samples.
+        stimulus: levels of the handshakes and the reset.
+        progress: counted up as the run goes on.
+        clocks: run this many clocks; None runs until all samples are taken and all results out.
+
+    Attributes:
+        inputs: the levels of the present clock.
+        taken: results the host has taken, (major, status, 18 components) each; clear at will.
+    """
+
+    def __init__(
+        self,
+        design: Design,
+        chunks: Iterator[CheckedChunk],
+        stimulus: Stimulus,
+        progress: Progress,
+        clocks: int | None = None,
+    ) -> None:
+        self.taken: list[tuple[int, ...]] = []
+        self._design = design
+        self._stimulus = stimulus
+        self._progress = progress
+        self._clocks = clocks
+        self._levels = self._each_level()
+        self._samples = _each_sample(chunks)
+        self._next = next(self._samples, None)
+        self._held = 0
+        self.inputs = self._present()
+
+    @property
+    def done(self) -> bool:
+        """Whether the run has come to its end."""
+        if self._clocks is not None:
+            return self._progress.clocks >= self._clocks
+        return self._next is None and self._progress.drained(self._design)
+
+    def clocked(self, ports: Ports) -> None:
+        """End the present clock, in which the core showed `ports`."""
+        valid, _, take, rst = self.inputs
+        run = self._progress
+        run.clocks += 1
+        run.idle += 1
+        self._held = valid
+        if rst:
+            run.since_reset = run.results_since_reset = 0
+        else:
+            if valid and ports.sample_ready:
+                self._next = next(self._samples, None)
+                self._held = 0
+                run.samples += 1
+                run.since_reset += 1
+                run.idle = 0
+            if take and ports.result_valid:
+                self.taken.append(ports.result)
+                run.results += 1
+                run.results_since_reset += 1
+                run.idle = 0
+        if self._clocks is None:
+            run.check_alive(self._stimulus)
+        self.inputs = self._present()
+
+    def _present(self) -> Inputs:
+        offer, take, rst = next(self._levels)
+        if self._next is None:
+            return Inputs(0, None, take, rst)
+        if offer or self._held:
+            return Inputs(1, self._next, take, rst)
+        gyro, accel, _ = self._next
+        return Inputs(0, (_complement(gyro), _complement(accel), 1), take, rst)
+
+    def _each_level(self) -> Iterator[tuple[int, int, int]]:
+        start = 0
+        while True:
+            offer, take, rst = self._stimulus.levels(start, _LEVELS)
+            yield from zip(offer.tolist(), take.tolist(), rst.tolist(), strict=True)
+            start += _LEVELS
+
+
+def _complement(counts: tuple[int, int, int]) -> tuple[int, int, int]:
+    x, y, z = counts
+    return (~x, ~y, ~z)
+
+
+def _each_sample(chunks: Iterator[CheckedChunk]) -> Iterator[Sample]:
+    for counts, faults in chunks:
+        for (gx, gy, gz, ax, ay, az), fault in zip(counts.tolist(), faults.tolist(), strict=True):
+            yield (gx, gy, gz), (ax, ay, az), fault

@@ -1,0 +1,182 @@
+"""The emitted Verilog in Verilator: fast.
+
+Model and `harness.cpp` are one shared library called through ctypes: no pipes and no files, samples
+and results stream through arrays, tens of thousands of clocks a call.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.blocks import VectorBlock
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.vectors import COMPONENTS
+from sculler_sim.files import replacing
+from sculler_sim.run import CheckedChunk, PortTrace, Progress
+from sculler_sim.stimulus import Levels, Stimulus
+from sculler_sim.verilator_build import build, limbs
+
+_CLOCKS = 1 << 15  # clocks in one call of the library
+
+
+def stream(
+    design: Design,
+    chunks: Iterator[CheckedChunk],
+    stimulus: Stimulus,
+    progress: Progress,
+    wave: Path | None,
+) -> Iterator[VectorBlock]:
+    """Results of all samples, block by block (see `sculler_sim.engine.simulate`)."""
+    with ExitStack() as stack:
+        library = build(design, wave)
+        target = None if wave is None else stack.enter_context(replacing(wave))
+        core = stack.enter_context(_Core(design, library, stimulus, progress, target))
+        for counts, faults in chunks:
+            first, last = progress.samples, progress.samples + len(counts)
+            while progress.samples < last:
+                done = progress.samples - first
+                yield from core.run(counts[done:], faults[done:])
+        while not progress.drained(design):
+            yield from core.run(_NO_COUNTS, _NO_FAULTS)
+
+
+_NO_COUNTS = np.zeros((0, 6), np.int32)
+_NO_FAULTS = np.zeros(0, np.uint8)
+
+
+def trace(
+    design: Design, chunks: Iterator[CheckedChunk], stimulus: Stimulus, clocks: int
+) -> PortTrace:
+    """Every output port on each of the first clocks (see `sculler_sim.engine.trace`)."""
+    counts, faults = next(chunks, (_NO_COUNTS, _NO_FAULTS))
+    with _Core(design, build(design), stimulus, Progress(), None) as core:
+        return core.trace(counts, faults, clocks)
+
+
+class _Levels(ctypes.Structure):
+    _fields_ = [("offer", ctypes.c_void_p), ("take", ctypes.c_void_p), ("rst", ctypes.c_void_p)]
+
+    @classmethod
+    def at(cls, levels: Levels, clock: int) -> _Levels:
+        return cls(*(level.ctypes.data + clock for level in levels))
+
+
+class _Counters(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_int64) for name in Progress.__dataclass_fields__]
+
+
+class _Core:
+    """A core under simulation; a context manager, because the library holds its state."""
+
+    def __init__(
+        self,
+        design: Design,
+        library: Path,
+        stimulus: Stimulus,
+        progress: Progress,
+        wave: Path | None,
+    ) -> None:
+        self._design = design
+        self._stimulus = stimulus
+        self._progress = progress
+        self._row = 2 + len(COMPONENTS) * limbs(design)
+        self._capacity = _CLOCKS // design.samples_per_major + 2
+        self._rows = np.empty((self._capacity, self._row), np.uint64)
+        self._levels = stimulus.levels(0, _CLOCKS)
+        self._levels_from = 0
+        try:
+            self._library = ctypes.CDLL(str(library))
+        except OSError as error:
+            raise InputError(f"cannot load the simulator ({error}), delete {library}") from error
+        self._library.sculler_create.restype = ctypes.c_void_p
+        self._handle = ctypes.c_void_p(
+            self._library.sculler_create(b"" if wave is None else os.fsencode(wave))
+        )
+        if not self._handle:
+            raise InputError(f"{wave}: cannot write the waveform, give another file")
+
+    def __enter__(self) -> _Core:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._library.sculler_destroy(self._handle)
+
+    def run(self, counts: NDArray[np.int32], faults: NDArray[np.uint8]) -> Iterator[VectorBlock]:
+        """Some clocks with these samples, or none to drain; the results taken in them."""
+        progress = self._progress
+        if progress.clocks == self._levels_from + _CLOCKS:
+            self._levels_from = progress.clocks
+            self._levels = self._stimulus.levels(progress.clocks, _CLOCKS)
+        clock = progress.clocks - self._levels_from
+        before = progress.results
+        self._call(counts, faults, _Levels.at(self._levels, clock), _CLOCKS - clock, None, None)
+        progress.check_alive(self._stimulus)
+        if progress.results > before:
+            yield self._block(self._rows[: progress.results - before])
+
+    def trace(self, counts: NDArray[np.int32], faults: NDArray[np.uint8], clocks: int) -> PortTrace:
+        """All ports on exactly so many clocks."""
+        levels = self._stimulus.levels(0, clocks)
+        handshakes = np.empty((clocks, 2), np.uint8)
+        shown = np.empty((clocks, self._row), np.uint64)
+        self._call(counts, faults, _Levels.at(levels, 0), clocks, handshakes, shown)
+        result = np.empty((clocks, 2 + len(COMPONENTS)), object)
+        result[:, :2] = shown[:, :2]
+        result[:, 2:] = self._components(shown)
+        return PortTrace(handshakes[:, 0], handshakes[:, 1], result)
+
+    def _call(
+        self,
+        counts: NDArray[np.int32],
+        faults: NDArray[np.uint8],
+        levels: _Levels,
+        clocks: int,
+        handshakes: NDArray[np.uint8] | None,
+        shown: NDArray[np.uint64] | None,
+    ) -> None:
+        names = Progress.__dataclass_fields__
+        counters = _Counters(*(getattr(self._progress, name) for name in names))
+        self._library.sculler_run(
+            self._handle,
+            _address(counts),
+            _address(faults),
+            ctypes.c_int64(len(counts)),
+            ctypes.c_int64(self._design.samples_per_major),
+            ctypes.byref(levels),
+            ctypes.c_int64(clocks),
+            _address(self._rows),
+            ctypes.c_int64(self._capacity),
+            _address(handshakes),
+            _address(shown),
+            ctypes.byref(counters),
+        )
+        for name in names:
+            setattr(self._progress, name, getattr(counters, name))
+
+    def _block(self, rows: NDArray[np.uint64]) -> VectorBlock:
+        major, status = rows[:, :2].astype(np.int64).T
+        return VectorBlock(major, status, self._components(rows))
+
+    def _components(self, rows: NDArray[np.uint64]) -> NDArray[Any]:
+        """(R, 18) integers from two's-complement limbs, lowest first."""
+        parts = rows[:, 2:].reshape(len(rows), len(COMPONENTS), -1)
+        top = parts[:, :, -1].astype(np.int64)
+        if parts.shape[2] == 1:
+            return top
+        value = top.astype(object)
+        for i in range(parts.shape[2] - 2, -1, -1):
+            value = (value << 64) | parts[:, :, i].astype(object)
+        return value
+
+
+def _address(array: NDArray[Any] | None) -> ctypes.c_void_p:
+    return ctypes.c_void_p(None if array is None else array.ctypes.data)

@@ -1,0 +1,87 @@
+"""What the simulation tests share: a cache of their own, tools or a reason to skip, stub cores."""
+
+from __future__ import annotations
+
+import multiprocessing
+import shutil
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.vectors import AXES, COMPONENTS, VECTORS
+from sculler_sim import cache, verilator_build
+from strategies import DESIGNS
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _cache() -> Iterator[None]:
+    """Compiled simulators are kept in build/, not in the user's cache."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SCULLER_CACHE", str(ROOT / "build" / "cache"))
+        yield
+
+
+@pytest.fixture(scope="session")
+def verilator() -> verilator_build.Tools:
+    """The tools of the Verilator engine."""
+    try:
+        return verilator_build.Tools.find()
+    except InputError as error:
+        pytest.skip(str(error))
+
+
+@pytest.fixture(scope="session")
+def built(verilator: verilator_build.Tools) -> None:
+    """All designs compiled, two at a time; the first alone, for it makes the common parts."""
+    first, *others = DESIGNS.values()
+    verilator_build.build(first)
+    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
+        list(pool.map(verilator_build.build, others))
+
+
+@pytest.fixture
+def own_cache(
+    verilator: verilator_build.Tools, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Path:
+    """A cache folder for one test, holding Verilog and Verilator's runtime but no simulator."""
+    verilator_build.build(DESIGNS["smallest"])
+    folder = tmp_path / "cache"
+    folder.mkdir()
+    for path in cache.folder().iterdir():
+        if path.suffix in (".o", ".v"):
+            shutil.copy(path, folder)
+    monkeypatch.setenv("SCULLER_CACHE", str(folder))
+    return folder
+
+
+@pytest.fixture
+def use_verilog(
+    verilator: verilator_build.Tools, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[Design, str], None]:
+    """Put a body of Verilog, with the design's ports, in the place of the generated core."""
+
+    def use(design: Design, body: str) -> None:
+        text = stub_core(design, body)
+        monkeypatch.setattr(verilator_build, "_verilog", lambda _: text)
+
+    return use
+
+
+def stub_core(design: Design, body: str) -> str:
+    """A module with the ports of the design's core (contract of `sculler_model.cycles`)."""
+    words = design.words
+    inputs = [(name, 1) for name in ("clk", "rst", "sample_valid", "sample_fault", "result_ready")]
+    for sensor in ("gyro", "accel"):
+        inputs += [(f"sample_{sensor}_{axis}", getattr(words, sensor).bits) for axis in AXES]
+    outputs = [("sample_ready", 1), ("result_valid", 1), ("result_major", 64), ("result_status", 2)]
+    widths = [getattr(words, vector).bits for vector in VECTORS for _ in AXES]
+    outputs += [(f"result_{name}", bits) for name, bits in zip(COMPONENTS, widths, strict=True)]
+    ports = [f"input [{bits - 1}:0] {name}" for name, bits in inputs]
+    ports += [f"output [{bits - 1}:0] {name}" for name, bits in outputs]
+    return f"module {design.name} (\n  {', '.join(ports)});\n{body}\nendmodule\n"

@@ -1,0 +1,92 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sculler_model.errors import InputError
+from sculler_model.vectors import COLUMNS
+from sculler_sim.compare import Difference, compare
+
+HUGE = 2**200
+
+
+def write(path, rows):
+    lines = [",".join(COLUMNS), *(",".join(map(str, row)) for row in rows)]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def rows(count):
+    return [[major, 1, *range(HUGE + major, HUGE + major + 18)] for major in range(count)]
+
+
+@pytest.fixture
+def pair(tmp_path):
+    """Two files of the given rows."""
+    return lambda a, b: (write(tmp_path / "a.csv", a), write(tmp_path / "b.csv", b))
+
+
+def test_equal_files_have_no_difference(pair):
+    assert compare(*pair(rows(5), rows(5))) is None
+    assert compare(*pair([], [])) is None
+
+
+@given(row=st.integers(0, 6), column=st.integers(0, 19), delta=st.sampled_from([-1, 1, HUGE]))
+def test_the_first_difference_is_named(tmp_path_factory, row, column, delta):
+    folder = tmp_path_factory.mktemp("pair")
+    changed = rows(8)
+    changed[row][column] += delta
+    changed[row][19] -= 7  # later in the row, and in a later row: not the first
+    changed[7][2] += 1
+    a, b = write(folder / "a.csv", rows(8)), write(folder / "b.csv", changed)
+    expected = Difference(row, row, COLUMNS[column], rows(8)[row][column], changed[row][column])
+    assert compare(a, b) == expected
+    assert str(expected.first) in expected.describe(a, b)
+
+
+def test_a_difference_in_words():
+    difference = Difference(3, 2, "nu_y", 10, -11)
+    assert difference.describe("a.csv", "b.csv") == (
+        "major 2 (row 3), nu_y: 10 in a.csv, -11 in b.csv"
+    )
+
+
+def test_a_file_that_ends_earlier(pair):
+    a, b = pair(rows(3), rows(5))
+    assert compare(a, b) == Difference(3, 3, "major", None, 3)
+    assert compare(b, a) == Difference(3, 3, "major", 3, None)
+    assert Difference(3, 3, "major", None, 3).describe("a.csv", "b.csv") == (
+        "a.csv ends after 3 rows, b.csv goes on with major 3"
+    )
+    assert Difference(3, 3, "major", 3, None).describe("a.csv", "b.csv") == (
+        "b.csv ends after 3 rows, a.csv goes on with major 3"
+    )
+
+
+def test_numbers_are_compared_not_their_spelling(pair):
+    spelt = rows(2)
+    spelt[1][5] = f"00{spelt[1][5]}"
+    spelt[1][0] = "01"
+    assert compare(*pair(rows(2), spelt)) is None
+
+
+def test_a_bad_row_is_refused_even_if_both_files_have_it(pair):
+    bad = rows(2)
+    bad[1][4] = "1e5"
+    with pytest.raises(InputError, match=r"line 3: alpha_z is '1e5', must be a whole number"):
+        compare(*pair(bad, bad))
+    with pytest.raises(InputError, match=r"b\.csv: line 3: alpha_z is '1e5'"):
+        compare(*pair(rows(2), bad))
+    with pytest.raises(InputError, match=r"a\.csv: line 3: alpha_z is '1e5'"):
+        compare(*pair(bad, rows(1)))
+
+
+def test_a_bad_file_is_refused(pair, tmp_path):
+    a, _ = pair(rows(2), rows(2))
+    with pytest.raises(InputError, match=r"no\.csv: cannot read"):
+        compare(a, tmp_path / "no.csv")
+    (tmp_path / "cut.csv").write_text(a.read_text()[:-1])
+    with pytest.raises(InputError, match=r"cut\.csv: line 3: .* cut short"):
+        compare(a, tmp_path / "cut.csv")
+    (tmp_path / "other.csv").write_text("time,x\n1,2\n")
+    with pytest.raises(InputError, match=r"other\.csv: line 1: the header"):
+        compare(tmp_path / "other.csv", a)

@@ -1,0 +1,227 @@
+"""The rules by which samples are offered and results taken: in Python, and the same in C++.
+
+A stub core shows on its result ports what stands on its inputs, so that a trace of it tells what
+was driven.
+"""
+
+import numpy as np
+import pytest
+
+from sculler_model.cycles import Ports
+from sculler_model.errors import InputError
+from sculler_model.vectors import COLUMNS
+from sculler_sim.engine import simulate, trace
+from sculler_sim.run import Progress, SimulationError, check_chunks
+from sculler_sim.stimulus import Stimulus
+from sculler_sim.surroundings import Surroundings
+from strategies import DESIGNS, make_design, random_counts
+
+DESIGN = make_design("echo", 2, 0, 2, (8, 9))  # four samples a major interval
+
+ECHO = """
+  reg [7:0] clock = 0;
+  always @(posedge clk) clock <= clock + 1;
+  assign sample_ready = clock % 3 != 0;
+  assign result_valid = clock % 5 == 0;
+  assign result_major = {56'd0, clock};
+  assign result_status = {sample_fault, sample_valid};
+  assign result_alpha_x = {{2{sample_gyro_x[7]}}, sample_gyro_x};
+  assign result_alpha_y = {{2{sample_gyro_y[7]}}, sample_gyro_y};
+  assign result_alpha_z = {{2{sample_gyro_z[7]}}, sample_gyro_z};
+  assign result_nu_x = {{2{sample_accel_x[8]}}, sample_accel_x};
+  assign result_nu_y = {{2{sample_accel_y[8]}}, sample_accel_y};
+  assign result_nu_z = {{2{sample_accel_z[8]}}, sample_accel_z};
+  assign result_coning_within_x = {15'd0, result_ready};
+  assign result_coning_within_y = {15'd0, rst};
+"""
+
+
+def ready(clock):
+    return int(clock % 3 != 0)
+
+
+def valid(clock):
+    return int(clock % 5 == 0)
+
+
+def counts_of(samples):
+    return random_counts(DESIGN, samples, np.random.default_rng(1))
+
+
+def faults_of(samples):
+    return np.arange(samples) % 5 == 0
+
+
+def driven(counts, faults, stimulus):
+    """What the rules of `sculler_sim.engine` make of the stub.
+
+    Returns, until the samples are used up, each clock's (valid, six counts, fault, result_ready,
+    rst); the clocks in which a result is taken; and, at the end of the run, the clocks and the
+    samples since reset.
+    """
+    offer, take, rst = (level.tolist() for level in stimulus.levels(0, 1000))
+    queue = [[*row, int(fault)] for row, fault in zip(counts.tolist(), faults, strict=True)]
+    shown, results, waiting = [], [], False
+    samples_since_reset = results_since_reset = clock = 0
+    while queue or results_since_reset < samples_since_reset // 4:
+        if queue:
+            waiting = waiting or bool(offer[clock])
+            *count, fault = queue[0] if waiting else [*(~c for c in queue[0][:6]), 1]
+            shown.append((int(waiting), *count, fault, take[clock], rst[clock]))
+        if rst[clock]:
+            samples_since_reset = results_since_reset = 0
+        elif waiting and ready(clock):
+            queue.pop(0)
+            waiting = False
+            samples_since_reset += 1
+        if take[clock] and valid(clock) and not rst[clock]:
+            results.append(clock)
+            results_since_reset += 1
+        clock += 1
+    return shown, results, (clock, samples_since_reset)
+
+
+STIMULI = [Stimulus.always(), Stimulus.stalls(6, 9), Stimulus.stalls(7, 30).with_resets(0, 31, 32)]
+
+
+@pytest.mark.parametrize("stimulus", STIMULI)
+def test_python_drives_by_the_rules(stimulus):
+    counts, faults = counts_of(60), faults_of(60)
+    expected, results, end = driven(counts, faults, stimulus)
+    progress = Progress()
+    drive = Surroundings(DESIGN, check_chunks(DESIGN, [(counts, faults)]), stimulus, progress)
+    shown = []
+    while not drive.done:
+        now, clock = drive.inputs, progress.clocks
+        if now.sample is not None:
+            gyro, accel, fault = now.sample
+            shown.append((now.sample_valid, *gyro, *accel, fault, now.result_ready, now.rst))
+        drive.clocked(Ports(ready(clock), valid(clock), (clock,)))
+    assert shown == expected
+    assert [row[0] for row in drive.taken] == results
+    assert (progress.samples, progress.results) == (60, len(results))
+    assert (progress.clocks, progress.since_reset) == end
+
+
+@pytest.mark.parametrize("stimulus", STIMULI)
+def test_cpp_drives_by_the_rules(use_verilog, stimulus):
+    use_verilog(DESIGN, ECHO)
+    counts, faults = counts_of(60), faults_of(60)
+    expected, _, _ = driven(counts, faults, stimulus)
+    seen = trace(DESIGN, counts, faults, stimulus, len(expected), "verilator")
+    assert seen.sample_ready.tolist() == [ready(clock) for clock in range(len(expected))]
+    assert seen.result_valid.tolist() == [valid(clock) for clock in range(len(expected))]
+    count_columns = "alpha_x alpha_y alpha_z nu_x nu_y nu_z".split()
+    places = [COLUMNS.index(name) for name in count_columns]
+    ready_and_rst = [COLUMNS.index(name) for name in ("coning_within_x", "coning_within_y")]
+    shown = [
+        (
+            row[1] & 1,
+            *(row[place] for place in places),
+            row[1] >> 1,
+            *(row[place] for place in ready_and_rst),
+        )
+        for row in seen.result.tolist()
+    ]
+    assert shown == expected
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 60])
+def test_cpp_takes_results_by_the_rules_however_the_samples_are_cut(use_verilog, chunk):
+    use_verilog(DESIGN, ECHO)
+    counts, faults = counts_of(60), faults_of(60)
+    for stimulus in STIMULI:
+        _, results, end = driven(counts, faults, stimulus)
+        chunks = [(counts[i : i + chunk], faults[i : i + chunk]) for i in range(0, 60, chunk)]
+        run = simulate(DESIGN, chunks, stimulus=stimulus)
+        majors = [major for block in run for major in block.major.tolist()]
+        assert majors == results
+        assert run.progress.samples == 60
+        assert (run.progress.clocks, run.progress.since_reset) == end
+        assert run.leftover == end[1] % 4
+
+
+def test_results_wider_than_any_machine_word_arrive_with_their_sign(use_verilog):
+    huge = make_design("huge", 1, 1, 3, (32, 20), denominator=3, taps=[2**150 + 1])
+    within, between = huge.words.coning_within.bits, huge.words.coning_between.bits
+    assert within > 192
+    assert 64 < between <= 128
+    assert huge.words.alpha.bits <= 64
+    use_verilog(
+        huge,
+        f"""
+  assign sample_ready = 1;
+  assign result_valid = 1;
+  assign result_coning_within_x = {{1'b1, {{{within - 1}{{1'b0}}}}}};
+  assign result_coning_within_y = ~0;
+  assign result_coning_within_z = {{1'b0, {{{within - 1}{{1'b1}}}}}};
+  assign result_coning_between_x = {{1'b1, {{{between - 1}{{1'b0}}}}}};
+  assign result_coning_between_y = 1 << 64;
+  assign result_coning_between_z = 0;
+  assign result_alpha_x = ~1;
+  assign result_alpha_y = 5;
+""",
+    )
+    seen = trace(huge, np.zeros((1, 6), int), None, Stimulus.always(), 1, "verilator").result[0]
+    shown = dict(zip(COLUMNS, seen, strict=True))
+    top = 2 ** (within - 1)
+    assert [shown[f"coning_within_{axis}"] for axis in "xyz"] == [-top, -1, top - 1]
+    assert [shown[f"coning_between_{axis}"] for axis in "xyz"] == [-(2 ** (between - 1)), 2**64, 0]
+    assert (shown["alpha_x"], shown["alpha_y"]) == (-2, 5)
+
+
+def test_more_results_than_there_can_be_are_all_taken(use_verilog):
+    design = DESIGNS["savage_1p1"]  # 64 samples a major interval
+    use_verilog(
+        design,
+        """
+  reg [63:0] clock = 0;
+  always @(posedge clk) clock <= clock + 1;
+  assign result_major = clock;
+  assign result_valid = 1;
+  assign sample_ready = 1;
+""",
+    )
+    run = simulate(design, [(np.zeros((20_000, 6), int), None)])
+    assert [major for block in run for major in block.major.tolist()] == list(range(20_000))
+
+
+def test_a_core_that_stops_is_found_out(use_verilog):
+    use_verilog(DESIGN, "assign sample_ready = 0; assign result_valid = 0;")
+    with pytest.raises(SimulationError, match=r"hangs: no sample and no result taken .* sample 0"):
+        list(simulate(DESIGN, [(counts_of(3), None)]))
+    use_verilog(DESIGN, "assign sample_ready = 1; assign result_valid = 0;")
+    with pytest.raises(SimulationError, match=r"hangs: .* after sample 9"):
+        list(simulate(DESIGN, [(counts_of(9), None)]))
+
+
+@pytest.mark.parametrize("engine", ["verilator", "amaranth", "model"])
+@pytest.mark.parametrize(
+    ("chunk", "message"),
+    [
+        ((np.zeros((3, 5), int), None), r"samples from 4 on: int64 counts of shape \(3, 5\)"),
+        ((np.zeros((3, 6)), None), "samples from 4 on: float64 counts"),
+        ((np.zeros((3, 6), int), [0, 1]), r"samples from 4 on: faults of shape \(2,\), give 3"),
+        ((np.zeros((3, 6), int), [0, 1, 2]), "samples from 4 on: faults"),
+        ((np.full((3, 6), -129), None), "sample 4: gyro_x = -129 does not fit 8 bits"),
+        (
+            (np.array([[0] * 6, [1, 2, 3, 4, 255, 256]]), None),
+            "sample 5: accel_z = 256 does not fit 9 bits, give -256 to 255",
+        ),
+        ((np.full((1, 6), 2**63, np.uint64), None), "sample 4: gyro_x = 9223372036854775808"),
+    ],
+)
+def test_bad_samples_are_refused(verilator, engine, chunk, message):
+    smallest = DESIGNS["smallest"]  # 8 and 9 bits
+    good = (np.zeros((4, 6), int), None)
+    with pytest.raises(InputError, match=message):
+        list(simulate(smallest, [good, chunk], engine=engine))
+
+
+@pytest.mark.parametrize("engine", ["verilator", "amaranth", "model"])
+@pytest.mark.parametrize("chunks", [[], [(np.zeros((0, 6), int), None)]])
+def test_no_samples_give_no_results(verilator, engine, chunks):
+    run = simulate(DESIGNS["smallest"], chunks, engine=engine)
+    assert list(run) == []
+    assert run.progress == Progress()
+    assert run.leftover == 0

