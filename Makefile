@@ -3,6 +3,7 @@
 #   make test    lint and all tests
 #   make lint    formatter, linter, type checker, import directions
 #   make bench   speeds, medians of several runs
+#   make accuracy  docs/accuracy.md and its pictures: the papers' figures beside ours
 #   make clean   remove what the targets made
 
 PYTHON ?= python3
@@ -10,7 +11,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: demo test lint format bench clean setup
+.PHONY: demo test lint format bench accuracy clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -28,7 +29,7 @@ demo: $(READY)
 	$(BIN)/sculler demo
 
 test: lint
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto --dist loadfile
 
 lint: $(READY)
 	$(BIN)/ruff format --check .
@@ -42,6 +43,9 @@ format: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m sculler.bench
+
+accuracy: $(READY)
+	$(BIN)/python -m sculler.accuracy
 
 clean:
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -1,10 +1,10 @@
-"""What the simulation tests share: a cache of their own, tools or a reason to skip, stub cores."""
+"""What the simulation tests share: tools or a reason to skip, stub cores."""
 
 from __future__ import annotations
 
 import multiprocessing
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -15,17 +15,6 @@ from sculler_model.errors import InputError
 from sculler_model.vectors import AXES, COMPONENTS, VECTORS
 from sculler_sim import cache, verilator_build
 from strategies import DESIGNS
-
-ROOT = Path(__file__).parents[2]
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _cache() -> Iterator[None]:
-    """Compiled simulators are kept in build/, not in the user's cache."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SCULLER_CACHE", str(ROOT / "build" / "cache"))
-        yield
-
 
 @pytest.fixture(scope="session")
 def verilator() -> verilator_build.Tools:

@@ -60,7 +60,9 @@ def command(
     from sculler_sim.stimulus import Stimulus
 
     design = terminal.load_design(design_name)
-    stimulus = Stimulus.always() if stall is None else Stimulus.stalls(stall)
+    # stalls long enough that the host misses a major end now and then
+    longest = max(256, 4 * design.samples_per_major)
+    stimulus = Stimulus.always() if stall is None else Stimulus.stalls(stall, longest)
     with terminal.progress("simulating", terminal.file_size(log)) as advance:
         summary = simulate_log(design, log, output, engine, stimulus, wave, advance)
     waveform = None if wave is None else str(wave)
