@@ -16,6 +16,7 @@ from sculler_model.vectors import AXES, COMPONENTS, VECTORS
 from sculler_sim import cache, verilator_build
 from strategies import DESIGNS
 
+
 @pytest.fixture(scope="session")
 def verilator() -> verilator_build.Tools:
     """The tools of the Verilator engine."""
