@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from sculler_model.design import Design
-from sculler_model.wordlength import Interval
 
 Counts = NDArray[np.int64]
 
@@ -122,12 +121,6 @@ def random_counts(design: Design, samples: int, rng: np.random.Generator) -> Cou
     kind = np.where(rng.random((samples, 1)) < 0.3, each, runs[:samples])
     counts: Counts = np.take_along_axis(kinds, kind[np.newaxis], axis=0)[0]
     return counts
-
-
-def counts_lists(interval: Interval, size: int) -> st.SearchStrategy[list[int]]:
-    """`size` counts of one sensor, its ends among the likeliest."""
-    ends = st.sampled_from([interval.lo, interval.hi, 0])
-    return st.lists(ends | st.integers(interval.lo, interval.hi), min_size=size, max_size=size)
 
 
 @st.composite

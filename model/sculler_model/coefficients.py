@@ -64,7 +64,7 @@ class TapTable:
         cls,
         samples: int,
         denominator: int,
-        taps: Sequence[int] | Sequence[Sequence[int]],
+        taps: Sequence[int | Sequence[int]],
         sum_denominator: int = 1,
         weights: Sequence[int] | None = None,
     ) -> TapTable:
@@ -174,7 +174,8 @@ def solve_exactly(matrix: list[list[Fraction]], right: list[Fraction]) -> list[F
         for r in range(size):
             if r != col and rows[r][col]:
                 factor = rows[r][col]
-                rows[r] = [a - factor * b for a, b in zip(rows[r], rows[col], strict=True)]
+                pairs = zip(rows[r], rows[col], strict=True)
+                rows[r] = [a - factor * b if b else a for a, b in pairs]
     return [row[size] for row in rows]
 
 

@@ -16,12 +16,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator
+from pydantic import BaseModel, Field, ValidationError, ValidationInfo, field_validator
 from pydantic_core import ErrorDetails
 
-from sculler_model.coefficients import FAMILIES, FAMILY_SENSOR_KIND, MAX_SAMPLES, TapTable
+from sculler_model.coefficients import MAX_SAMPLES, TapTable
 from sculler_model.errors import InputError
+from sculler_model.families.balance import Sum
+from sculler_model.families.catalogue import BASES, FAMILIES, TABLES, Made, Match, Recipe, make
+from sculler_model.families.decimals import rational
+from sculler_model.families.options import Band, Filter, Mount, response, with_measured_points
 from sculler_model.presets import PRESETS
+from sculler_model.schema import Part
 from sculler_model.wordlength import WordLengths, word_lengths
 
 if sys.version_info >= (3, 11):
@@ -46,18 +51,14 @@ _VERILOG_WORDS = frozenset(
 )
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-
-class Axes(_Part):
+class Axes(Part):
     """Word length and scale of three like sensor axes."""
 
     bits: Annotated[int, Field(ge=8, le=32, description="a whole number from 8 to 32")]
     lsb: Annotated[float, Field(gt=0, description="a number > 0 (SI units per count)")]
 
 
-class Sensor(_Part):
+class Sensor(Part):
     """What the sensor delivers."""
 
     kind: Annotated[Literal["increment", "rate"], Field(description='"increment" or "rate"')]
@@ -66,12 +67,12 @@ class Sensor(_Part):
     accel: Annotated[Axes, Field(description="a table with bits and lsb")]
 
 
-class UserTable(_Part):
+class UserTable(Part):
     """The user's own tap table, in the form `sculler coefficients --json` prints."""
 
     denominator: Annotated[int, Field(ge=1, description="a whole number >= 1")]
     taps: Annotated[
-        list[int] | list[list[int]],
+        list[int | list[int]],
         Field(min_length=1, description="n rows of whole numbers, or one flat row for phase n"),
     ]
     sum_denominator: Annotated[int, Field(ge=1, description="a whole number >= 1")] = 1
@@ -80,7 +81,7 @@ class UserTable(_Part):
     ] = None
 
 
-class Algorithm(_Part):
+class Algorithm(Part):
     """The high-rate algorithm.  Field order matters: later ones are checked against earlier."""
 
     samples: Annotated[
@@ -89,12 +90,37 @@ class Algorithm(_Part):
     history: Annotated[int, Field(ge=0, description="a whole number from 0 to samples")] = 0
     minors: Annotated[int, Field(ge=1, le=4096, description="a whole number from 1 to 4096")]
     family: Annotated[
-        Literal["frequency-taylor", "filtered-rate", "table"],
-        Field(description='"frequency-taylor", "filtered-rate" or "table"'),
+        Literal[
+            "frequency-taylor",
+            "filtered-rate",
+            "time-taylor",
+            "uncompressed",
+            "least-squares",
+            "tuned",
+            "table",
+        ],
+        Field(description=", ".join(f'"{family}"' for family in FAMILIES) + ' or "table"'),
     ]
     table: Annotated[
         UserTable | None,
         Field(description="a table with denominator and taps", validate_default=True),
+    ] = None
+    base: Annotated[
+        Literal["frequency-taylor", "least-squares", "tuned"] | None,
+        Field(description=" or ".join(f'"{base}"' for base in BASES)),
+    ] = None
+    match: Annotated[Match | None, Field(description='"taylor" or "least-squares"')] = None
+    filter: Annotated[
+        list[Filter] | None,
+        Field(description="a table with kind, or several", validate_default=True, max_length=16),
+    ] = None
+    sum: Annotated[Sum | None, Field(description='"zeng", "newton-cotes" or "plain"')] = None
+    band: Annotated[
+        Band | None,
+        Field(description="a table with low_hz and high_hz, psd or profile", validate_default=True),
+    ] = None
+    denominator_bits: Annotated[
+        int | None, Field(ge=1, le=48, description="a whole number from 1 to 48")
     ] = None
 
     @field_validator("history")
@@ -111,8 +137,10 @@ class Algorithm(_Part):
     @classmethod
     def _family_can_be_made(cls, family: str, info: ValidationInfo) -> str:
         samples, history = info.data.get("samples"), info.data.get("history")
-        if family in FAMILIES and samples is not None and history is not None:
-            FAMILIES[family](samples, history)
+        # an uncompressed table may start from another base, which is not known yet
+        computed = TABLES.get(family) if family != "uncompressed" else None
+        if computed is not None and samples is not None and history is not None:
+            computed(samples, history)
         return family
 
     @field_validator("table")
@@ -133,8 +161,45 @@ class Algorithm(_Part):
             _user_table(table, samples)
         return table
 
+    @field_validator("filter", mode="before")
+    @classmethod
+    def _one_filter_is_a_list(cls, value: Any) -> Any:
+        return [value] if isinstance(value, dict) else value
 
-class Hardware(_Part):
+    @field_validator("base", "match", "filter", "sum", "band", "denominator_bits")
+    @classmethod
+    def _option_fits_family(cls, value: Any, info: ValidationInfo) -> Any:
+        """Options come with the families that use them; a filter or band in use must be there."""
+        key = info.field_name or ""
+        known = ("family", "base", "match")
+        earlier = known[: known.index(key)] if key in known else known
+        if any(name not in info.data for name in earlier):
+            return value  # what it depends on is at fault itself
+        family, match = info.data["family"], info.data.get("match")
+        source = info.data.get("base") or "frequency-taylor" if family == "uncompressed" else family
+        fitted = source == "least-squares" or (source == "tuned" and match == "least-squares")
+        used = {
+            "base": family == "uncompressed",
+            "match": source == "tuned",
+            "filter": source == "tuned",
+            "sum": source == "tuned",
+            "band": fitted,
+            "denominator_bits": fitted or source == "tuned",
+        }
+        if value is not None and not used[key]:
+            how = f'family = "{family}"'
+            if family == "uncompressed" and key != "base":
+                how = f'base = "{source}"'
+            if key == "band" and source == "tuned":
+                how = 'match = "taylor"'
+            raise ValueError(f"not used by {how}, leave it out")
+        if value is None and used[key] and key in ("filter", "band"):
+            allowed = cls.model_fields[key].description
+            raise ValueError(f'missing, "{source}" needs it: give {allowed}')
+        return value
+
+
+class Hardware(Part):
     """How it becomes gates."""
 
     core: Annotated[Literal["pipelined"], Field(description='"pipelined"')] = "pipelined"
@@ -146,7 +211,36 @@ def _user_table(table: UserTable, samples: int) -> TapTable:
     )
 
 
-class Design(_Part):
+def _recipe(sensor: Sensor, algorithm: Algorithm) -> Recipe:
+    """What a computed family is designed from.
+
+    Raises:
+        InputError: a filter that no sensor can have.
+    """
+    sample_rate = rational(sensor.sample_rate_hz)
+    match = algorithm.match or "taylor"
+    # a fit is to the drift as it is; Zeng's equations take his sum for exact
+    usual: Sum = "zeng" if sensor.kind == "rate" and match == "taylor" else "plain"
+    if algorithm.sum is not None and sensor.kind == "increment":
+        raise InputError(
+            'algorithm.sum: not used by sensor.kind = "increment", whose samples just add up'
+        )
+    return Recipe(
+        family=algorithm.family,
+        samples=algorithm.samples,
+        history=algorithm.history,
+        kind=sensor.kind,
+        sample_rate=sample_rate,
+        base=algorithm.base or "frequency-taylor",
+        match=match,
+        sum=algorithm.sum or usual,
+        response=response(algorithm.filter or [], sample_rate),
+        band=algorithm.band.exact() if algorithm.band is not None else None,
+        denominator_bits=algorithm.denominator_bits,
+    )
+
+
+class Design(Part):
     """A complete, valid design.
 
     Build one with `Design.load` (file), `Design.parse` (mapping) or `Design.preset`.
@@ -173,12 +267,8 @@ class Design(_Part):
     @classmethod
     def _family_fits_sensor(cls, algorithm: Algorithm, info: ValidationInfo) -> Algorithm:
         sensor = info.data.get("sensor")
-        needed = FAMILY_SENSOR_KIND.get(algorithm.family)
-        if sensor is not None and needed is not None and sensor.kind != needed:
-            raise ValueError(
-                f'family = "{algorithm.family}" is for sensor.kind = "{needed}", but it is'
-                f' "{sensor.kind}"; change one of them'
-            )
+        if sensor is not None and algorithm.family != "table":
+            make(_recipe(sensor, algorithm))
         return algorithm
 
     @classmethod
@@ -199,7 +289,7 @@ class Design(_Part):
             raise InputError(f"{path}: not a text file in UTF-8, give a design in TOML") from error
         except tomllib.TOMLDecodeError as error:
             raise InputError(f"{path}: not valid TOML: {error}") from error
-        return cls.parse(data, where=str(path))
+        return cls.parse(data, where=str(path), folder=path.parent)
 
     @classmethod
     def preset(cls, name: str, **algorithm: Any) -> Design:
@@ -207,7 +297,9 @@ class Design(_Part):
         return cls.parse({"preset": name, "algorithm": algorithm})
 
     @classmethod
-    def parse(cls, data: dict[str, Any], where: str = "design") -> Design:
+    def parse(
+        cls, data: dict[str, Any], where: str = "design", folder: Path | None = None
+    ) -> Design:
         """Validate a mapping of the design file's shape.
 
         `preset`, at the top or in [sensor], fills in whatever the mapping leaves out.
@@ -217,13 +309,22 @@ class Design(_Part):
         """
         faults: list[str] = []
         data = _with_preset(data, faults, where)
+        algorithm = data.get("algorithm")
+        if isinstance(algorithm, dict) and "filter" in algorithm:
+            try:
+                filters = with_measured_points(algorithm["filter"], folder or Path())
+            except InputError as error:
+                raise InputError(f"{where}: {error}") from error
+            data = {**data, "algorithm": {**algorithm, "filter": filters}}
         design = None
         try:
             design = cls.model_validate(data)
         except ValidationError as error:
-            faults += [_fault(details) for details in error.errors()]
+            # one fault a key: of the ways to read a value, the last one looked deepest
+            named = dict(map(_fault, error.errors()))
+            faults += [f"{key}: {fault}" for key, fault in named.items()]
         if faults or design is None:
-            raise InputError(f"{where}: " + "; ".join(dict.fromkeys(faults)))
+            raise InputError(f"{where}: " + "; ".join(faults))
         return design
 
     def __hash__(self) -> int:
@@ -234,7 +335,18 @@ class Design(_Part):
         """The tap table, exact integers in lowest terms."""
         if self.algorithm.table is not None:
             return _user_table(self.algorithm.table, self.algorithm.samples)
-        return FAMILIES[self.algorithm.family](self.algorithm.samples, self.algorithm.history)
+        return self.made.table
+
+    @property
+    def made(self) -> Made:
+        """The computed table with what its family can tell of it: rounding, what is left.
+
+        Raises:
+            ValueError: family = "table", whose numbers are the user's own.
+        """
+        if self.algorithm.family == "table":
+            raise ValueError('family = "table" is the user\'s own and not computed')
+        return make(_recipe(self.sensor, self.algorithm))
 
     @cached_property
     def words(self) -> WordLengths:
@@ -297,12 +409,13 @@ def _with_preset(data: dict[str, Any], faults: list[str], where: str) -> dict[st
         faults.append(f"sensor.preset: {names[1][1]!r} and preset = {name!r} differ, give one")
     if not isinstance(name, str) or name not in PRESETS:
         known = ", ".join(sorted(PRESETS))
-        raise InputError(f"{where}: {key}: {name!r} is not known, give one of {known}")
-    base = PRESETS[name]
-    merged = _merge(base, data)
-    algorithm = merged.get("algorithm")
-    if "name" not in merged and isinstance(algorithm, dict):
-        merged["name"] = f"{name}_{algorithm.get('samples')}x{algorithm.get('minors')}"
+        raise InputError(f"{where}: {key}: {_short(name)} is not known, give one of {known}")
+    merged = _merge(PRESETS[name], data)
+    if "name" not in merged:
+        merged["name"] = name  # stands where samples or minors have faults of their own
+        match merged["algorithm"]:
+            case {"samples": int(samples), "minors": int(minors)} if min(samples, minors) > 0:
+                merged["name"] = f"{name}_{samples}x{minors}"
     return merged
 
 
@@ -315,8 +428,8 @@ def _merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
     return merged
 
 
-def _fault(details: ErrorDetails) -> str:
-    """One pydantic error as `key: what is wrong, what is allowed`."""
+def _fault(details: ErrorDetails) -> tuple[str, str]:
+    """One pydantic error as its key and what is wrong and allowed."""
     path = [str(part) for part in details["loc"]]
     part: type[BaseModel] = Design
     allowed = ""
@@ -324,10 +437,13 @@ def _fault(details: ErrorDetails) -> str:
     key: list[str] = []
     for step in path:
         field = part.model_fields.get(step)
+        if field is None and step.isdigit() and key:  # one of several filters
+            key[-1] += f"[{step}]" if step != "0" else ""
+            continue
         if field is None:
             known = list(part.model_fields)
             if details["type"] == "extra_forbidden":
-                key.append(step)
+                key.append(step if step.isprintable() else repr(step))
             break
         key.append(step)
         allowed = field.description or ""
@@ -339,15 +455,26 @@ def _fault(details: ErrorDetails) -> str:
     if details["type"] == "extra_forbidden":
         near = difflib.get_close_matches(key[-1], known, n=1)
         hint = f"did you mean {near[0]}?" if near else f"the keys here are {', '.join(known)}"
-        return f"{name}: unknown key, {hint}"
+        return name, f"unknown key, {hint}"
     if details["type"] == "missing":
-        return f"{name}: missing, give {allowed}"
+        return name, f"missing, give {allowed}"
     if details["type"] == "value_error":
-        return f"{name}: {details['ctx']['error']}"
-    return f"{name}: {_short(details['input'])} is not allowed, give {allowed}"
+        fault = str(details["ctx"]["error"])
+        own = re.match(r"(algorithm\.[^:]+): (.*)", fault)  # the fault names its key itself
+        return (own[1], own[2]) if own and name == "algorithm" else (name, fault)
+    return name, f"{_short(details['input'])} is not allowed, give {allowed}"
 
 
-_PARTS: tuple[type[BaseModel], ...] = (Sensor, UserTable, Algorithm, Hardware, Axes)
+_PARTS: tuple[type[BaseModel], ...] = (
+    Sensor,
+    UserTable,
+    Algorithm,
+    Hardware,
+    Axes,
+    Filter,
+    Band,
+    Mount,
+)
 
 
 def _short(value: Any) -> str:

@@ -1,0 +1,232 @@
+"""Least squares and rounding: against NumPy, brute force, and the definition of a minimum."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from fractions import Fraction
+from itertools import product
+from math import pi
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from sculler_model.coefficients import TapTable, frequency_taylor
+from sculler_model.errors import InputError
+from sculler_model.families.balance import Balance
+from sculler_model.families.drift import residual
+from sculler_model.families.lattice import _search, closest_integers
+from sculler_model.families.least_squares import Band, Fit, Mount, fit, round_taps
+from sculler_model.families.response import Response, Sinc
+
+Q = Fraction
+RATE = Q(1000)
+
+
+def basis(n: int, count: int, phase: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Yang Eq. 8: products of unit increments at distance 1..count."""
+    d = np.arange(1, count + 1)
+    lam = phase[:, np.newaxis]
+    return 2 * np.sin(d * lam) - np.sin((d + 1) * lam) - np.sin((d - 1) * lam)
+
+
+def flat(low: float, high: float, points: int = 4001) -> NDArray[np.float64]:
+    step = (high - low) / points
+    hertz: NDArray[np.float64] = low + step * (np.arange(points) + 0.5)
+    return hertz
+
+
+def compressed(n: int, taps: list[Fraction]) -> TapTable:
+    return TapTable.from_rationals([*[[]] * (n - 1), taps], [Q(1)] * n)
+
+
+@pytest.mark.parametrize(
+    ("n", "p", "low", "high"), [(2, 0, 0, 100), (3, 0, 50, 400), (4, 0, 0, 300), (2, 2, 0, 450)]
+)
+def test_the_fit_is_numpys(n: int, p: int, low: int, high: int) -> None:
+    result = fit(Balance(n), p, Band(Q(low), Q(high)), RATE)
+    phase = 2 * pi * flat(low, high) / 1000
+    truth = 0.5 * (n * phase - np.sin(n * phase))
+    P = basis(n, n + p - 1, phase)
+    expected, *_ = np.linalg.lstsq(P, truth, rcond=None)
+    assert np.array(result.reals, np.float64) == pytest.approx(expected, rel=1e-5)
+    rms = float(np.sqrt(np.mean((P @ expected - truth) ** 2)))
+    assert result.rms_real == pytest.approx(rms, rel=1e-4)
+
+
+def weights(hertz: NDArray[np.float64]) -> dict[str, tuple[Band, NDArray[np.float64]]]:
+    table = ((Q(20), Q(1, 100)), (Q(80), Q(4, 100)), (Q(350), Q(4, 100)), (Q(450), Q(7, 1000)))
+    x, y = (np.array(column, np.float64) for column in zip(*table, strict=True))
+    r = (hertz / 50) ** 2
+    lines = np.interp(hertz, x, y)
+    profile = np.exp(np.interp(np.log(hertz), np.log(x), np.log(y)))
+    return {
+        "psd": (Band(Q(20), Q(450), table), lines),
+        "profile": (Band(Q(20), Q(450), table, True), profile),
+        "mounted": (
+            Band(Q(20), Q(450), table, True, Mount(Q(50), Q(1, 8))),
+            profile / ((1 - r) ** 2 + 4 * 0.125**2 * r),
+        ),
+    }
+
+
+@pytest.mark.parametrize("kind", ["psd", "profile", "mounted"])
+def test_weights(kind: str) -> None:
+    hertz = flat(20, 450)
+    band, weight = weights(hertz)[kind]
+    result = fit(Balance(4), 0, band, RATE)
+    phase = 2 * pi * hertz / 1000
+    P, truth = basis(4, 3, phase), 0.5 * (4 * phase - np.sin(4 * phase))
+    root = np.sqrt(weight)
+    expected, *_ = np.linalg.lstsq(root[:, np.newaxis] * P, root * truth, rcond=None)
+    assert np.array(result.reals, np.float64) == pytest.approx(expected, rel=1e-4)
+    table = compressed(4, result.sums)
+    mean = np.average(residual(table, phase) ** 2, weights=weight)
+    assert result.rms_rounded == pytest.approx(float(np.sqrt(mean)), rel=1e-4)
+
+
+@pytest.mark.parametrize("bits", [4, 8, 12])
+def test_rounding_is_the_best_there_is(bits: int) -> None:
+    """Against every integer near the reals."""
+    n, high = 4, 100.0
+    result = fit(Balance(n), 0, Band(Q(0), Q(100)), RATE, bits)
+    phase = 2 * pi * flat(0, high, 400) / 1000
+    reals = np.array(result.reals, np.float64)
+    around = np.stack(np.meshgrid(*[np.arange(-20, 21)] * 3), -1).reshape(-1, 3)
+    near = np.rint(reals * 2**bits) + around
+    P, truth = basis(n, 3, phase), 0.5 * (n * phase - np.sin(n * phase))
+    R = np.linalg.qr(P, mode="r")
+    # the residual's square splits into the fit's own and this
+    extra = np.sum(((near / 2**bits - reals) @ R.T) ** 2, axis=1)
+    mine = np.sum(((np.array(result.integers) / 2**bits - reals) @ R.T) ** 2)
+    assert mine <= np.min(extra) * 1.001
+    best = np.mean((P @ (np.array(result.integers) / 2**bits) - truth) ** 2) ** 0.5
+    assert result.rms_rounded == pytest.approx(float(best), rel=1e-3)
+    assert result.rms_real <= result.rms_rounded <= result.rms_nearest
+
+
+def test_rounding_beats_the_nearest_integers_by_far() -> None:
+    result = fit(Balance(6), 0, Band(Q(0), Q(100)), RATE, 16)
+    assert result.rms_rounded < result.rms_nearest / 20
+    moved = [abs(k - float(x) * 2**16) for k, x in zip(result.integers, result.reals, strict=True)]
+    assert max(moved) <= 2**12  # no tap by more than 2^-4
+
+
+def test_loss_is_reported_from_the_rounded_table() -> None:
+    result = fit(Balance(5), 0, Band(Q(0), Q(150)), RATE, 14)
+    hertz = flat(0, 150)
+    left = residual(compressed(5, result.sums), 2 * pi * hertz / 1000)
+    assert result.rms_rounded == pytest.approx(float(np.sqrt(np.mean(left**2))), rel=1e-3)
+    assert result.worst_rounded == pytest.approx(float(np.max(np.abs(left))), rel=0.03)
+    assert result.loss == pytest.approx(result.rms_rounded / result.rms_real - 1)
+    assert result.loss > 0
+
+
+def test_better_than_taylor_in_its_band_and_worse_below_it() -> None:
+    n, hertz = 4, np.array([5.0, 190.0])
+    table = fit(Balance(n), 0, Band(Q(0), Q(200)), RATE).table(Balance(n))
+    least, taylor = (
+        np.abs(residual(t, 2 * pi * hertz / 1000)) for t in (table, frequency_taylor(n, 0))
+    )
+    assert least[1] < taylor[1] / 5
+    assert least[0] > taylor[0]
+
+
+def test_many_taps_over_a_low_band() -> None:
+    """Doubles lose this one altogether: the columns agree to some 40 digits."""
+    result = fit(Balance(12), 4, Band(Q(0), Q(20)), RATE, 40)
+    taylor = frequency_taylor(12, 4)
+    expected = [tap / taylor.denominator for tap in taylor.taps[-1]]
+    # over a band going to zero, least squares go to Taylor
+    assert list(map(float, result.reals)) == pytest.approx(expected, rel=0.05)
+    assert result.rms_real < 1e-25
+    assert result.rms_rounded < result.rms_nearest / 100
+
+
+def test_every_tap_is_at_a_minimum_behind_a_filter() -> None:
+    """Tuned, rate sensor, plain sums: moving any tap either way raises the mean square."""
+    response = Response((Sinc(Q(3, 2)),))
+    balance = Balance(3, "rate", "plain", response)
+    result = fit(balance, 0, Band(Q(20), Q(300)), RATE, 30)
+    phase = 2 * pi * flat(20, 300, 1000) / 1000
+
+    def mean_square(taps: list[Fraction]) -> float:
+        table = TapTable.from_rationals([[], [], taps], balance.weights)
+        return float(np.mean(residual(table, phase, "rate", response) ** 2))
+
+    least = mean_square(result.sums)
+    for i, step in product(range(3), (Q(1, 1000), Q(-1, 1000))):
+        moved = [k + step * (i == j) for j, k in enumerate(result.sums)]
+        assert mean_square(moved) > least
+
+
+class TestLattice:
+    def test_skewed_basis(self) -> None:
+        """(k - x) G (k - x) with near-parallel columns, against all integers of a wide window."""
+        rng = np.random.default_rng(3)
+        for _ in range(20):
+            B = rng.integers(-9, 10, (3, 3)) + np.array([[40, 39, 41]] * 3)
+            if abs(np.linalg.det(B)) < 1:
+                continue
+            G = B.T @ B
+            x = rng.normal(size=3) * 3
+            window = np.stack(np.meshgrid(*[np.arange(-30, 31)] * 3), -1).reshape(-1, 3)
+            cost = np.sum(((window - x) @ B.T) ** 2, axis=1)
+            found = closest_integers(
+                [[Decimal(int(v)) for v in row] for row in G], [Decimal(float(v)) for v in x]
+            )
+            mine = float(np.sum((B @ (np.array(found) - x)) ** 2))
+            assert mine <= float(np.min(cost)) * (1 + 1e-9)
+
+    def test_search_goes_both_ways(self) -> None:
+        """On bases that are not reduced, where the best is often not near the centre."""
+        rng = np.random.default_rng(11)
+        window = np.stack(np.meshgrid(*[np.arange(-12, 13)] * 2), -1).reshape(-1, 2)
+        for _ in range(200):
+            slope, y = rng.uniform(-0.5, 0.5), rng.uniform(-1, 1, 2)
+            lengths = np.array([100.0, 1.0])
+            away = window - y
+            cost = (
+                lengths[0] * (away[:, 0] + slope * away[:, 1]) ** 2 + lengths[1] * away[:, 1] ** 2
+            )
+            mu = [[Decimal(1), Decimal(0)], [Decimal(slope), Decimal(1)]]
+            found = _search(mu, list(map(Decimal, lengths)), list(map(Decimal, y)))
+            assert found == window[np.argmin(cost)].tolist()
+
+    def test_orthogonal_basis_is_nearest(self) -> None:
+        form = [[Decimal(3), Decimal(0)], [Decimal(0), Decimal(1)]]
+        assert closest_integers(form, [Decimal("2.4"), Decimal("-1.6")]) == [2, -2]
+
+
+@pytest.mark.parametrize(
+    ("balance", "history", "band", "message"),
+    [
+        (Balance(1), 0, Band(Q(0), Q(9)), "1 sample gives no cross product"),
+        (Balance(12), 6, Band(Q(0), Q(9)), "18 is too large .* up to 17"),
+        (
+            Balance(2, response=Response((Sinc(Q(4)),))),
+            0,
+            Band(Q(0), Q(260)),
+            "passes less than 1 % at 250 Hz",
+        ),
+    ],
+)
+def test_faults(balance: Balance, history: int, band: Band, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        fit(balance, history, band, RATE)
+
+
+def test_rounding_given_taps_keeps_their_response() -> None:
+    table = frequency_taylor(4, 0)
+    sums = [Q(tap, table.denominator) for tap in table.taps[-1]]
+    result: Fit = round_taps(sums, Balance(4), Band(Q(0), Q(125)), RATE, 24)
+    assert [float(x) for x in result.reals] == pytest.approx([float(x) for x in sums])
+    assert result.rms_rounded == pytest.approx(result.rms_real, rel=1e-2)
+
+
+def test_rounding_does_not_let_taps_wander() -> None:
+    """Over a low band the best integers of all lie whole units off: they are not wanted."""
+    result = fit(Balance(6), 6, Band(Q(0), Q(100)), RATE, 24)
+    moved = [abs(k / 2**24 - float(x)) for k, x in zip(result.integers, result.reals, strict=True)]
+    assert max(moved) <= 1 / 16
+    assert result.rms_rounded < result.rms_nearest / 1000
