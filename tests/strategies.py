@@ -25,14 +25,20 @@ def make_design(
     minors: int,
     bits: tuple[int, int],
     family: str = "frequency-taylor",
+    kind: str = "increment",
+    options: dict[str, Any] | None = None,
     **table: Any,
 ) -> Design:
-    """A design of n samples, p history, M minors and (gyro, accel) bits; `table` as in TOML."""
+    """A design of n samples, p history, M minors and (gyro, accel) bits.
+
+    `options` are more keys of [algorithm], `table` is [algorithm.table].
+    """
     algorithm: dict[str, Any] = {
         "family": "table" if table else family,
         "samples": samples,
         "history": history,
         "minors": minors,
+        **(options or {}),
     }
     if table:
         algorithm["table"] = table
@@ -40,7 +46,7 @@ def make_design(
         {
             "name": name,
             "sensor": {
-                "kind": "rate" if algorithm["family"] == "filtered-rate" else "increment",
+                "kind": kind,
                 "sample_rate_hz": 1000.0,
                 "gyro": {"bits": bits[0], "lsb": 1e-8},
                 "accel": {"bits": bits[1], "lsb": 1e-7},
@@ -63,9 +69,9 @@ _ALL = [
     make_design("taylor_7p0", 7, 0, 1, (11, 8)),
     # taps of some 40 bits
     make_design("taylor_8p8", 8, 8, 2, (31, 10)),
-    make_design("rate_1p0", 1, 0, 5, (18, 22), "filtered-rate"),
-    make_design("rate_2p0", 2, 0, 10, (16, 19), "filtered-rate"),
-    make_design("rate_4p1", 4, 1, 3, (24, 28), "filtered-rate"),
+    make_design("rate_1p0", 1, 0, 5, (18, 22), "filtered-rate", "rate"),
+    make_design("rate_2p0", 2, 0, 10, (16, 19), "filtered-rate", "rate"),
+    make_design("rate_4p1", 4, 1, 3, (24, 28), "filtered-rate", "rate"),
     # Savage-20 method 1, n = 3: c12 = c23 = 57/80, c13 = 33/80
     make_design("dense_time_3", 3, 0, 6, (24, 20), denominator=80, taps=[[], [57], [57, 33]]),
     # Savage-20 method 4, n = 4: c12 = c34 = 232, c23 = 178, c13 = c24 = 138, c14 = 162 over 315
@@ -90,6 +96,46 @@ _ALL = [
         taps=[[0, -3, 0, 0, 0, 0, 5], [], [1, 0, -2]],
         sum_denominator=6,
         weights=[1, 0, -4, 5],
+    ),
+    # the other families, each as its solver makes it
+    make_design("time_3p2", 3, 2, 4, (18, 22), "time-taylor"),
+    make_design("uncompressed_5p0", 5, 0, 3, (20, 16), "uncompressed"),
+    make_design(
+        "fit_4p1",
+        4,
+        1,
+        5,
+        (16, 24),
+        "least-squares",
+        options={
+            "denominator_bits": 16,
+            "band": {
+                "profile": [[20, 0.01], [80, 0.04], [350, 0.04]],
+                "mount": {"natural_hz": 50.0, "damping": 0.125},
+            },
+        },
+    ),
+    make_design(
+        "tuned_rate_3p0",
+        3,
+        0,
+        6,
+        (19, 12),
+        "tuned",
+        "rate",
+        options={
+            "sum": "plain",
+            "filter": {"kind": "digital", "numerator": [0.25, 0.5, 0.25]},
+        },
+    ),
+    make_design(
+        "uncompressed_tuned_3p1",
+        3,
+        1,
+        4,
+        (24, 20),
+        "uncompressed",
+        options={"base": "tuned", "filter": {"kind": "sinc", "width_samples": 2}},
     ),
     # one tap, one sample, one minor interval: a result at every sample
     make_design("smallest", 1, 0, 1, (8, 9), denominator=2, taps=[-1]),

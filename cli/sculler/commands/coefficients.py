@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from sculler_model.coefficients import TapTable
+    from sculler_model.families.catalogue import Made
 
 
 @click.command(
@@ -20,7 +21,11 @@ if TYPE_CHECKING:
         "sculler coefficients --family frequency-taylor --samples 4 --history 0"
     )
 )
-@click.option("--family", metavar="NAME", help="frequency-taylor or filtered-rate.")
+@click.option(
+    "--family",
+    metavar="NAME",
+    help="frequency-taylor, filtered-rate, time-taylor or uncompressed; others by --design.",
+)
 @click.option("--samples", type=int, metavar="N", help="Samples of a minor interval, 1 to 16.")
 @click.option(
     "--history",
@@ -43,41 +48,52 @@ def command(
     coning correction A x s[t].  Weights sum the samples to the interval's angle.  The JSON form is
     what the design file's [algorithm.table] reads.
     """
-    from sculler_model.coefficients import FAMILY_SENSOR_KIND
+    from sculler_model.families.catalogue import SENSOR_KINDS
 
+    notes: list[str] = []
+    filtered = False
     if design_name is not None:
         if family is not None or samples is not None or history is not None:
             raise click.UsageError("give --design, or --family, --samples and --history, not both")
         design = terminal.load_design(design_name)
         table, title = design.table, design.name
         kind: str = design.sensor.kind
+        if design.algorithm.family != "table":
+            notes = design.made.report()
+            filtered = bool(design.algorithm.filter)
     elif family is None or samples is None:
         raise click.UsageError("give --family and --samples, or --design")
     else:
-        table = _table(family, samples, history or 0)
-        kind = FAMILY_SENSOR_KIND[family]
+        made = _made(family, samples, history or 0)
+        table, notes = made.table, made.report()
+        kind = SENSOR_KINDS[family][0]
         title = f"{family}, samples n = {samples}, history p = {history or 0}"
-    terminal.report(
-        table.as_json(), as_json, _taps(table, title), _weights(table), _residual(table, kind)
-    )
+    left = [] if filtered else [_residual(table, kind)]  # its closed form knows no other filter
+    terminal.report(table.as_json(), as_json, _taps(table, title), _weights(table), *left, *notes)
 
 
-def _table(family: str, samples: int, history: int) -> TapTable:
-    from sculler_model.coefficients import FAMILIES, MAX_SAMPLES
+def _made(family: str, samples: int, history: int) -> Made:
+    from sculler_model.coefficients import MAX_SAMPLES
     from sculler_model.errors import InputError
+    from sculler_model.families.catalogue import FAMILIES, SENSOR_KINDS, TABLES, Recipe, make
 
-    if family not in FAMILIES:
-        raise InputError(f"--family: {family!r} is not known, give {' or '.join(FAMILIES)}")
+    if family in FAMILIES and family not in TABLES:
+        raise InputError(
+            f"--family: {family} needs a band or a filter, give them in a design file and --design"
+        )
+    if family not in TABLES:
+        known = ", ".join(TABLES)
+        raise InputError(f"--family: {family!r} is not known, give {known} or a --design")
     if not 1 <= samples <= MAX_SAMPLES:
         raise InputError(f"--samples: {samples} is not allowed, give 1 to {MAX_SAMPLES}")
     if not 0 <= history <= samples:
         raise InputError(f"--history: {history} is not allowed, give 0 to --samples = {samples}")
-    if family == "frequency-taylor" and samples + history < 2:
+    if family != "filtered-rate" and samples + history < 2:
         raise InputError(
-            "--samples: 1 sample without history gives no cross product for frequency-taylor, give"
+            f"--samples: 1 sample without history gives no cross product for {family}, give"
             " --samples 2 or --history 1"
         )
-    return FAMILIES[family](samples, history)
+    return make(Recipe(family, samples, history, kind=SENSOR_KINDS[family][0]))
 
 
 def _taps(table: TapTable, title: str) -> Table:
