@@ -7,12 +7,13 @@ run, so that `--help` is quick.
 
 from __future__ import annotations
 
-import importlib
 import os
 import sys
 from collections.abc import Sequence
 
 import click
+
+from sculler.verbs import VerbGroup
 
 VERBS = (
     "coefficients",
@@ -22,6 +23,8 @@ VERBS = (
     "compare",
     "convert",
     "navigate",
+    "analyze",
+    "advise",
     "demo",
 )
 """In the order of the work; verb V is the click command `command` of `sculler.commands.V`."""
@@ -29,22 +32,10 @@ VERBS = (
 FAILED, BAD_INPUT, INTERRUPTED, UNREAD = 1, 2, 130, 141
 
 
-class _Verbs(click.Group):
-    """A group that imports a verb's module when the verb is asked for."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(VERBS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in VERBS:
-            return None
-        module = importlib.import_module(f"sculler.commands.{cmd_name}")
-        command: click.Command = module.command
-        return command
-
-
 @click.group(
-    cls=_Verbs,
+    cls=VerbGroup,
+    package="sculler.commands",
+    verbs=VERBS,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Every verb has --help with an example.  DESIGN is a design file (TOML) or a preset's"
     " name.",

@@ -58,7 +58,7 @@ def require_matplotlib() -> None:
 
 
 @contextmanager
-def _figure(path: Path, width: float, height: float) -> Iterator[Figure]:
+def new_figure(path: Path, width: float, height: float) -> Iterator[Figure]:
     """A figure that is saved to `path` in the end, whole or not at all."""
     require_matplotlib()
     from matplotlib import rc_context
@@ -88,7 +88,7 @@ def navigation_pictures(history: NavHistory, output: Path) -> list[Path]:
     north, east, _ = local_metres(history, history)
     scale, unit = _time_scale(history.time)
     t = history.time / scale
-    with _figure(path, 12, 8) as figure:
+    with new_figure(path, 12, 8) as figure:
         track, velocity, attitude, height = figure.subplots(2, 2).ravel()
         _track(track, {"track": (north, east, BLUE, 1.4)})
         for column, (name, colour) in enumerate(
@@ -163,7 +163,7 @@ def error_picture(path: Path, time: Array, errors: Errors) -> None:
         ("Velocity error", "m/s"),
         ("Position error", "m"),
     )
-    with _figure(path, 9, 10) as figure:
+    with new_figure(path, 9, 10) as figure:
         panels: Any = figure.subplots(3, 1, sharex=True)
         for row, ((title, unit), axes) in enumerate(zip(quantities, panels, strict=True)):
             for (name, series), colour in zip(errors.items(), _PAIR, strict=True):
@@ -185,7 +185,7 @@ def error_picture(path: Path, time: Array, errors: Errors) -> None:
 
 def track_picture(path: Path, truth: NavHistory, estimates: Mapping[str, NavHistory]) -> None:
     """The true ground track and where the navigators believe to have been."""
-    with _figure(path, 7.5, 7.5) as figure:
+    with new_figure(path, 7.5, 7.5) as figure:
         north, east, _ = local_metres(truth, truth)
         tracks = {"truth": (north, east, "#bbbbbb", 5.0)}
         for (name, history), colour in zip(estimates.items(), _PAIR, strict=True):
@@ -211,7 +211,7 @@ def coning_picture(
         marked_hz: a frequency to mark.
         half_angle, sample_rate: of what coning and at which rate (Hz), for the title.
     """
-    with _figure(path, 9, 6) as figure:
+    with new_figure(path, 9, 6) as figure:
         axes = figure.subplots()
         colours = (VERMILION, BLUE, GREEN, PURPLE)
         for (name, drift), colour in zip(curves.items(), colours, strict=True):

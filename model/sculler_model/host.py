@@ -62,7 +62,9 @@ class MajorIncrements:
         )
 
 
-def major_increments(design: Design, block: VectorBlock) -> MajorIncrements:
+def major_increments(
+    design: Design, block: VectorBlock, third_order: bool = False
+) -> MajorIncrements:
     """φ, α and ΔV_SF of each major interval of a block, in the sensor's axes.
 
         φ     = g alpha/Dw + g² (coning_within/Dc + coning_between/(2 Dw²))
@@ -70,15 +72,79 @@ def major_increments(design: Design, block: VectorBlock) -> MajorIncrements:
 
     with g and a the scales of gyro and accelerometer counts (Savage-98 Eq. 37, with Eq. 51 for
     the rotation; Yang Eq. 14 with the half that his Eq. 20a lacks).
+
+    Args:
+        design: the design.
+        block: consecutive major intervals.
+        third_order: correct φ as `ThirdOrder` does, which says when that helps; the block's first
+            two intervals stay as they are.
     """
     g, a = design.gyro_scale, design.accel_scale
     alpha, upsilon = _sums(design, block)
     coning, sculling = _correction(design, block, "coning"), _correction(design, block, "sculling")
-    return MajorIncrements(
+    increments = MajorIncrements(
         phi=alpha + g * g * coning,
         alpha=alpha,
         dv_sf=upsilon + velocity_rotation(alpha, upsilon) + a * g * sculling,
     )
+    return ThirdOrder()(increments) if third_order else increments
+
+
+class ThirdOrder:
+    """The triple products of the rotation vector equation, from what is handed over alone.
+
+    The core's φ is of second order (Savage-20 Eq. 2 against Eq. 3).  If the rate is a smooth
+    function over three major intervals, their α show its slope and curvature, and with them what
+    is left out (see `third_order_terms`).  In manoeuvres that takes the error from the fourth to
+    the fifth power of the interval.  Vibration inside an interval it cannot see, and vibration
+    above about a third of the update rate it takes for something else: there a shorter interval
+    helps, this does not.
+
+    Call it with the increments of consecutive intervals, in blocks of any length; it keeps the
+    last two.  Attitude is causal: no interval waits for a later one.
+    """
+
+    def __init__(self) -> None:
+        self._before = np.zeros((0, 3))
+
+    def __call__(self, increments: MajorIncrements) -> MajorIncrements:
+        """The increments with φ corrected; the very first two intervals stay as they are."""
+        alpha = np.concatenate((self._before, increments.alpha))
+        self._before = alpha[-2:]
+        terms = third_order_terms(alpha)
+        phi = increments.phi.copy()
+        phi[len(phi) - len(terms) :] += terms
+        return MajorIncrements(phi, increments.alpha, increments.dv_sf)
+
+
+def third_order_terms(alpha: Array) -> Array:
+    """What the second-order φ lacks where the rate is a parabola over three major intervals.
+
+    With ω = a + bτ + cτ², τ from the middle of an interval T, and α1 = aT, α2 = bT², α3 = cT³,
+
+        φ - (α + ½∫α×ω dt) = α1×(α1×α3)/360 - α2×(α1×α2)/240 - α1×(α1×(α1×α2))/720 + O(T⁷)
+
+    the third- and fourth-order terms of the Magnus series for a rate in body axes.
+
+    Args:
+        alpha: (R, 3) rad, of consecutive intervals.
+
+    Returns:
+        (R - 2, 3) rad for the intervals from the third on; none if there are fewer.
+    """
+    if len(alpha) < 3:
+        return np.zeros((0, 3))
+    oldest, before, now = alpha[:-2], alpha[1:-1], alpha[2:]
+    alpha2 = 1.5 * now - 2 * before + 0.5 * oldest
+    alpha3 = 0.5 * now - before + 0.5 * oldest
+    alpha1 = now - alpha3 / 12
+    once = np.cross(alpha1, alpha2)
+    terms: Array = (
+        np.cross(alpha1, np.cross(alpha1, alpha3)) / 360
+        - np.cross(alpha2, once) / 240
+        - np.cross(alpha1, np.cross(alpha1, once)) / 720
+    )
+    return terms
 
 
 def uncorrected(design: Design, block: VectorBlock) -> MajorIncrements:
@@ -89,6 +155,22 @@ def uncorrected(design: Design, block: VectorBlock) -> MajorIncrements:
     """
     alpha, upsilon = _sums(design, block)
     return MajorIncrements(alpha, alpha, upsilon + velocity_rotation(alpha, upsilon))
+
+
+def second_order_corrections(design: Design, block: VectorBlock) -> tuple[Array, Array]:
+    """Coning (rad) and sculling (m/s) of consecutive major intervals taken as one, each (3,).
+
+    What ``½ ∫ α×ω`` and ``½ ∫ (α×f + υ×ω)`` from the first interval's start to the last one's end
+    come to: the intervals' own, and between them as between minor intervals (Savage-20 Eq. 5).
+    """
+    alpha, upsilon = _sums(design, block)
+    before = np.cumsum(alpha, axis=0) - alpha, np.cumsum(upsilon, axis=0) - upsilon
+    coning = 0.5 * np.cross(before[0], alpha)
+    sculling = 0.5 * (np.cross(before[0], upsilon) + np.cross(before[1], alpha))
+    g, a = design.gyro_scale, design.accel_scale
+    coning += g * g * _correction(design, block, "coning")
+    sculling += a * g * _correction(design, block, "sculling")
+    return coning.sum(axis=0), sculling.sum(axis=0)
 
 
 def _sums(design: Design, block: VectorBlock) -> tuple[Array, Array]:

@@ -80,6 +80,11 @@ _VELOCITIES = ("vn", "ve", "vd")
     help='Sensor axes that point forward, right, down: "y,x,-z" for a unit right, forward, up.',
 )
 @click.option(
+    "--third-order",
+    is_flag=True,
+    help="Correct the rotation vectors for the triple products of smooth manoeuvres.",
+)
+@click.option(
     "--plots/--no-plots", default=True, show_default=True, help="Pictures beside the output."
 )
 @terminal.json_option
@@ -92,6 +97,7 @@ def command(
     height: float,
     align_seconds: float | None,
     axes: str,
+    third_order: bool,
     plots: bool,
     as_json: bool,
     **initial: float | None,
@@ -106,7 +112,7 @@ def command(
     """
     from sculler.history import HistoryWriter, Thinned
     from sculler_model.errors import InputError
-    from sculler_model.host import major_increments
+    from sculler_model.host import ThirdOrder, major_increments
     from sculler_model.navigation import AxisMap, NavHistory, Navigator, trajectory
     from sculler_sim.files import replacing
     from sculler_sim.vectors_file import read_vectors
@@ -130,6 +136,8 @@ def command(
             major_increments(design, block).in_axes(axis_map)
             for block in read_vectors(vectors, design)
         )
+        if third_order:
+            increments = map(ThirdOrder(), increments)
         alignment = None
         if align_seconds is not None:
             window, increments = _split(increments, round(align_seconds / design.major_interval))

@@ -1,0 +1,18 @@
+"""`sculler analyze`: what a design leaves, in numbers and pictures; one module a sub-verb."""
+
+from __future__ import annotations
+
+import click
+
+from sculler.verbs import VerbGroup
+
+VERBS = ("coning", "sculling", "manoeuvre", "vibration", "quantisation")
+
+
+@click.group(cls=VerbGroup, package=__name__, verbs=VERBS)
+def command() -> None:
+    """Show what a design leaves: by closed form and through the integer path.
+
+    Every study takes design files, presets and families (all combinations of --family, --samples
+    and --history), and sets them side by side in a table, as JSON, and in a picture (-o).
+    """

@@ -1,0 +1,141 @@
+"""`sculler analyze manoeuvre`: attitude error over a manoeuvre against the update rate."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sculler import terminal
+from sculler.commands.analyze import subjects
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+REQUIREMENT = 0.07
+"""µrad: 4e-6 °, for all manoeuvres of a flight of 0.1 nmph navigation (Savage-20)."""
+
+NAMES = ("extreme", "turn-entry", "pitch-over")
+"""`sculler_model.analysis.manoeuvre.MANOEUVRES`, named here so that --help imports no numpy."""
+
+
+@click.command(
+    short_help="Attitude error over a manoeuvre against update rate.",
+    epilog=terminal.examples(
+        "sculler analyze manoeuvre --family frequency-taylor --samples 2 --samples 4 \\\n"
+        "    -o build/manoeuvre.png",
+        "sculler analyze manoeuvre stim300 --manoeuvre turn-entry --json",
+    ),
+)
+@subjects.subject_options
+@click.option(
+    "--manoeuvre",
+    "name",
+    type=click.Choice(NAMES),
+    default=NAMES[0],
+    show_default=True,
+    help="Which rate profile.",
+)
+@click.option(
+    "--from",
+    "low",
+    type=terminal.number_type(0, above=True),
+    default=50.0,
+    show_default=True,
+    metavar="HZ",
+    help="Slowest update rate.",
+)
+@click.option(
+    "--to",
+    "high",
+    type=terminal.number_type(0, above=True),
+    default=400.0,
+    show_default=True,
+    metavar="HZ",
+    help="Fastest update rate.",
+)
+@click.option("--fine", is_flag=True, help="Run designs on a fine sensor, as families are.")
+@subjects.picture_option
+@terminal.json_option
+def command(
+    name: str,
+    low: float,
+    high: float,
+    fine: bool,
+    output: Path | None,
+    as_json: bool,
+    **chosen: Any,
+) -> None:
+    """Show the attitude error that a manoeuvre leaves, in µrad, against the update rate.
+
+    Every number of minor intervals M that gives an update rate in the band is tried at the design's
+    sample rate.  Source 1 is the triple products of the rotation vector that no algorithm of this
+    kind forms; source 2 is what the coefficients leave beyond it (Savage-20).  Then both together,
+    without and with the host's third-order correction, and both through the core's integers.
+    """
+    from sculler_model.analysis.manoeuvre import MANOEUVRES, split, update_minors
+
+    subjects.require_picture(output)
+    manoeuvre = MANOEUVRES[name]
+    found = subjects.subjects(**chosen)
+    minors = {key: update_minors(s.design, low, high) for key, s in found.items()}
+    data: dict[str, Any] = {
+        "study": "manoeuvre",
+        "manoeuvre": name,
+        "seconds": manoeuvre.duration,
+        "peak_deg_per_s": manoeuvre.peak_degrees(),
+        "unit": "µrad",
+        "requirement": REQUIREMENT,
+        "profile": manoeuvre.profile(201),
+        "designs": {},
+    }
+    with terminal.progress("manoeuvres", sum(map(len, minors.values()))) as advance:
+        for key, subject in found.items():
+            own = not (fine or subject.of_family)
+            rows = []
+            for M in minors[key]:
+                rows.append(asdict(split(subject.design, manoeuvre, M, own)))
+                advance(1)
+            data["designs"][key] = {"sensor": "own" if own else "fine", "updates": rows}
+    if output is not None:
+        from sculler.plots_analysis import manoeuvre_picture
+
+        manoeuvre_picture(output, data)
+        data["picture"] = str(output)
+    terminal.report(data, as_json, _table(data), *([f"picture: {output}"] if output else []))
+
+
+def _table(data: dict[str, Any]) -> Table:
+    from rich.table import Table
+
+    table = Table(
+        title=f"[bold]attitude error at the end of the {data['seconds']:g} s manoeuvre"
+        f" {data['manoeuvre']} (µrad)[/]",
+        title_justify="left",
+    )
+    table.add_column("design")
+    for column in (
+        "M",
+        "update (Hz)",
+        "source 1",
+        "source 2",
+        "both",
+        "third order",
+        "integer path",
+    ):
+        table.add_column(column, justify="right")
+    for name, found in data["designs"].items():
+        for i, row in enumerate(found["updates"]):
+            table.add_row(
+                name if i == 0 else "",
+                str(row["minors"]),
+                f"{row['update_hz']:.4g}",
+                *(
+                    f"{row[key]:.3g}"
+                    for key in ("source_1", "source_2", "complete", "third_order", "integer_path")
+                ),
+                end_section=i == len(found["updates"]) - 1,
+            )
+    return table

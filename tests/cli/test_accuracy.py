@@ -1,0 +1,79 @@
+"""docs/accuracy.md: what `make accuracy` computes today, and the papers' figures in it."""
+
+from __future__ import annotations
+
+import re
+from math import pi, radians
+from pathlib import Path
+
+import pytest
+
+from sculler import accuracy
+
+DOCS = Path(__file__).parents[2] / "docs"
+NUMBER = re.compile("[−-]?\\d+(?:\\.\\d+)?(?:e-?\\d+)?")
+
+
+@pytest.fixture(scope="module")
+def text() -> str:
+    return accuracy.document()
+
+
+def _split(text: str) -> tuple[list[str], list[float]]:
+    """Words without white space, and numbers, of a text."""
+    numbers = [float(n.replace("\N{MINUS SIGN}", "-")) for n in NUMBER.findall(text)]
+    return NUMBER.sub("#", text).split(), numbers
+
+
+def test_the_document_is_up_to_date(text: str) -> None:
+    """Words are the same; figures too, but for the last digit another machine may round."""
+    words, numbers = _split((DOCS / "accuracy.md").read_text(encoding="utf-8"))
+    new_words, new_numbers = _split(text)
+    assert "".join(words) == "".join(new_words), "run: make accuracy"
+    assert numbers == pytest.approx(new_numbers, rel=0.12), "run: make accuracy"
+
+
+def test_its_pictures_are_there(text: str) -> None:
+    names = re.findall(r"\]\(images/(.*?)\)", text)
+    assert len(names) == 4
+    for name in names:
+        assert (DOCS / "images" / name).read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_runge_kutta_by_simulation_is_its_law() -> None:
+    """Eq. 28 and half as much of Simpson's rule on unfiltered samples; 5.16 °/h on filtered."""
+    omega, T = 2 * pi * 20, 1e-3
+    eq_28 = radians(1) ** 2 * (2 * omega * T) ** 5 / 1440 / (2 * T) * 206264.806
+    assert accuracy.runge_kutta_drift(20.0, False) == pytest.approx(1.5 * eq_28, rel=0.02)
+    assert accuracy.runge_kutta_drift(20.0, True) == pytest.approx(-5.16, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "shown"),
+    [
+        (0.0440, 2, "0.044"),
+        (1297.5, 3, "1300"),
+        (1.466e-6, 2, "1.5e-6"),
+        (-0.5, 2, "−0.5"),
+        (0, 2, "0"),
+        (-9.99e-7, 2, "−1.0e-6"),
+    ],
+)
+def test_numbers_to_read(value: float, digits: int, shown: str) -> None:
+    assert accuracy.number(value, digits) == shown
+
+
+def test_papers_figures_are_met(text: str) -> None:
+    """Each row's figure beside the paper's, by the row's own words."""
+    rows = dict(re.findall(r"^\| (.*?) \| .*? \| (.*?) \|", text, re.MULTILINE))
+    for row, expected, rel in (
+        ("4 samples, frequency-taylor, tone", 0.000002, 0.3),
+        ("sculling, worst phase", 1300, 0.02),
+        ("error of Eq. 61 at 2 kHz, worst phase", 0.044, 0.05),
+        ("response", 3.6, 0.05),
+        ("rotation", 0.00038, 0.02),
+        ("two-sample Runge-Kutta", -5.16, 0.01),
+        ("2 samples, closed form", 1.07e-2, 0.01),
+    ):
+        (_, numbers) = _split(rows[row])
+        assert numbers[0] == pytest.approx(expected, rel=rel), row

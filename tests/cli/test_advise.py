@@ -1,0 +1,79 @@
+"""`sculler advise`: the ranking as JSON and to read, the file it writes, exit status, refusals."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sculler_model.design import Design
+
+Run = Callable[..., Any]
+CONING = ("--coning", 0.1, 50, "--drift", 1e-3)
+
+
+def test_ranking_and_the_cheapest_as_a_design_file(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "best.toml"
+    outcome = run("advise", "stim300", *CONING, "-o", path, "--json")
+    assert (outcome.status, outcome.err) == (0, "")
+    data = json.loads(outcome.out)
+    work = [found["cost"]["work"] for found in data["meet"]]
+    assert work == sorted(work)
+    assert all(found["drift_deg_per_h"] <= 1e-3 and not found["faults"] for found in data["meet"])
+    assert all(found["faults"] for found in data["fail"])
+    best = Design.load(path)
+    assert best.name == data["meet"][0]["name"]
+    assert best == Design.parse(data["meet"][0]["design"])
+    assert run("coefficients", "--design", path, "--json").status == 0
+
+
+def test_fitted_designs_are_written_whole(run: Run, tmp_path: Path) -> None:
+    """A band with its weights goes into the file and comes back the same."""
+    from sculler.commands.advise import _write
+
+    data = json.loads(
+        run("advise", "stim300", "--spectrum", "savage-98", "--drift", 1e-3, "--json").out
+    )
+    fitted = next(f for f in data["meet"] if f["family"] == "least-squares")
+    design = Design.parse(fitted["design"])
+    _write(tmp_path / "fitted.toml", design)
+    assert Design.load(tmp_path / "fitted.toml") == design
+
+
+def test_readable(run: Run) -> None:
+    outcome = run("advise", "stim300", *CONING)
+    assert outcome.status == 0
+    for word in ("designs meet it", "frequency-taylor", "coning leaves", "--all"):
+        assert word in outcome.out
+
+
+def test_nothing_meets(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "best.toml"
+    words = ("--coning", 10, 100, "--drift", 1e-9, "-o", path)
+    outcome = run("advise", "stim300", *words)
+    assert outcome.status == 1
+    assert outcome.err == ""
+    assert "none of" in outcome.out
+    assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--drift", 1), "give an environment"),
+        (("--spectrum", "savage-98", *CONING), "give an environment"),
+        (("--coning", 0.1, 50), "give a requirement"),
+        ((*CONING, "--force", 1), "--force needs --spectrum"),
+        (("--coning", 60, 50, "--drift", 1), "60° is not allowed"),
+        (("--coning", 1, 1000, "--drift", 1), "Nyquist limit of 1000 Hz"),
+        (("--spectrum", "nowhere", "--drift", 1), "nowhere: no such spectrum"),
+        (("--spectrum", "flat:1", "--drift", 1), "flat:LOW-HIGH:DENSITY"),
+        (("--spectrum", "savage-98", "--drift", 1, "--imbalance", 101), "<= 100"),
+        (("--spectrum", "savage-98", "--drift", 0), "> 0"),
+    ],
+)
+def test_faults(refused: Callable[..., str], words: tuple[object, ...], message: str) -> None:
+    assert message in refused("advise", "stim300", *words)

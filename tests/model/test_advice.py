@@ -1,0 +1,273 @@
+"""Advice: costs against the hardware's own parts, drifts against the integer path, the ranking."""
+
+from __future__ import annotations
+
+import random
+from math import cos, degrees, pi, radians
+
+import numpy as np
+import pytest
+
+from sculler_hdl.core import PipelinedCore, tap_rows, weight_rows
+from sculler_hdl.parts import weighted_sum
+from sculler_model.advice import (
+    Candidate,
+    Environment,
+    Requirement,
+    advise,
+    coning_drift,
+    cost,
+    signed_digits,
+)
+from sculler_model.analysis import frequency
+from sculler_model.analysis.vibration import PROFILES, G, Mount, respond
+from sculler_model.closed_form import drift_rate
+from sculler_model.coefficients import filtered_rate, frequency_taylor
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.families.time_taylor import time_taylor
+
+STIM = Design.preset("stim300")
+SHAKEN = Environment(
+    spectrum=PROFILES["savage-98"], mount=Mount.worst(0.05, 0.014), peak_rate=radians(200)
+)
+CONED = Environment(half_angle=radians(0.1), hertz=50.0, peak_rate=radians(200))
+
+
+# costs
+
+
+def test_signed_digits_are_the_hardwares() -> None:
+    rng = random.Random(2)
+    values = [*range(-300, 300), *(rng.randrange(-(2**40), 2**40) for _ in range(300))]
+    assert [signed_digits(v) for v in values] == [
+        len(weighted_sum.signed_digits(v)) for v in values
+    ]
+
+
+@pytest.mark.parametrize(
+    "algorithm",
+    [
+        {"samples": 4, "history": 0, "minors": 5},
+        {"samples": 3, "history": 2, "minors": 1},
+        {"samples": 3, "history": 0, "minors": 7, "family": "time-taylor"},
+    ],
+)
+def test_cost_is_what_the_core_is_made_of(algorithm: dict[str, object]) -> None:
+    design = Design.preset("stim300", **algorithm)
+    core, found = PipelinedCore(design), cost(design)
+    n = design.table.samples
+    products = {
+        name: sum(6 * left.bits * right.bits for left, right in part.pairs)
+        for name, part in core.cross.items()
+    }
+    within = products["coning_within"] + products["sculling_within"]
+    between = sum(products.values()) - within
+    words = design.words
+    rows = len(design.table.active_phases)
+
+    def terms(phase: int) -> int:
+        return len(weighted_sum.terms_of({phase: tap_rows(design.table)[phase]}))
+
+    weights = len(weighted_sum.terms_of(weight_rows(design.table)))
+    taps = [terms(phase) - 1 for phase in tap_rows(design.table)]
+    assert found.rows == rows
+    assert found.additions == 6 * (sum(taps) + weights - 1)
+    assert found.multiplications == pytest.approx(18 * (rows + (between > 0)) / n)
+    adders = 3 * sum(taps) * (words.gyro_taps.bits + words.accel_taps.bits)
+    adders += 3 * (weights - 1) * (words.theta.bits + words.v.bits)
+    rate = design.sensor.sample_rate_hz
+    assert found.work == pytest.approx((rows * within + between + adders) * rate / n)
+    assert found.area > within + between + adders
+    held = ("alpha", "nu", *core.cross)
+    assert found.widest == max(getattr(words, name).bits for name in held)
+
+
+def test_a_dense_table_costs_more_than_a_compressed_one() -> None:
+    dense, compressed = (
+        cost(Design.preset("stim300", family=family))
+        for family in ("uncompressed", "frequency-taylor")
+    )
+    assert dense.rows == 3  # nothing comes before the first sample
+    assert compressed.rows == 1
+    assert dense.work > 1.5 * compressed.work
+
+
+# drifts
+
+
+@pytest.mark.parametrize(
+    ("family", "kind", "n", "p", "M", "degree", "hertz"),
+    [
+        ("frequency-taylor", "increment", 2, 0, 3, 1.0, 60.0),
+        ("frequency-taylor", "increment", 4, 0, 3, 5.0, 45.0),
+        ("frequency-taylor", "increment", 2, 1, 1, 10.0, 70.0),
+        ("time-taylor", "increment", 3, 0, 4, 2.0, 30.0),
+        ("filtered-rate", "rate", 2, 0, 1, 1.0, 20.0),
+        ("filtered-rate", "rate", 4, 0, 2, 1.0, 20.0),
+    ],
+)
+def test_coning_drift_is_that_of_the_integer_path(
+    family: str, kind: str, n: int, p: int, M: int, degree: float, hertz: float
+) -> None:
+    """A long record through counts, core and host, its attitude multiplied out."""
+    design = Design.parse(
+        {
+            "name": "d",
+            "sensor": {
+                "kind": kind,
+                "sample_rate_hz": 1000.0,
+                "gyro": {"bits": 24, "lsb": 1e-9},
+                "accel": {"bits": 24, "lsb": 1e-9},
+            },
+            "algorithm": {"family": family, "samples": n, "history": p, "minors": M},
+        }
+    )
+    cone = frequency.Cone(radians(degree))
+    point = frequency.integer_point(frequency.fine(design, cone, hertz + 1), cone, hertz)
+    found = coning_drift(
+        design.table, M, cone.half_angle, 2 * pi * point.hertz, 1e-3, design.sensor.kind
+    )
+    # it drifts about the cone's axis, of which the first body axes see the cosine
+    assert found * cos(cone.half_angle) == pytest.approx(point.complete, rel=2e-3, abs=3e-12)
+
+
+def test_small_cones_leave_the_closed_form() -> None:
+    a, omega = 1e-4, 2 * pi * 80
+    for table, kind in (
+        (frequency_taylor(2, 0), "increment"),
+        (time_taylor(3, 0), "increment"),
+        (filtered_rate(2, 0), "rate"),
+    ):
+        found = coning_drift(table, 3, a, omega, 1e-3, kind)  # type: ignore[arg-type]
+        closed = drift_rate(table, a, a, omega, 1e-3, kind)  # type: ignore[arg-type]
+        assert found == pytest.approx(float(closed), rel=1e-3)
+
+
+# the ranking
+
+
+@pytest.fixture(scope="module")
+def shaken() -> list[Candidate]:
+    return advise(STIM, SHAKEN, Requirement(1.7e-4, 0.1), most_samples=4, most_history=1)
+
+
+def test_those_that_meet_come_first_and_cheapest_first(shaken: list[Candidate]) -> None:
+    good = [c for c in shaken if c.meets]
+    assert 0 < len(good) < len(shaken)
+    assert all(c.meets for c in shaken[: len(good)])
+    assert [c.cost.work for c in good] == sorted(c.cost.work for c in good)
+    bad = shaken[len(good) :]
+    assert [c.excess for c in bad] == sorted(c.excess for c in bad)
+    by_area = advise(
+        STIM, SHAKEN, Requirement(1.7e-4, 0.1), most_samples=4, most_history=1, by="area"
+    )
+    areas = [c.cost.area for c in by_area if c.meets]
+    assert areas == sorted(areas)
+    assert {c.design for c in by_area if c.meets} == {c.design for c in good}
+
+
+def test_what_is_left_is_the_bound_of_the_vibration(shaken: list[Candidate]) -> None:
+    worst = respond(PROFILES["savage-98"], Mount.worst(0.05, 0.014), 0.05).worst_phase
+    for candidate in shaken[:3] + shaken[-3:]:
+        left = worst.errors(candidate.design.table, candidate.design.sample_interval)
+        assert candidate.drift == pytest.approx(degrees(left.coning) * 3600, rel=1e-2)
+        assert candidate.force == pytest.approx(
+            float(np.linalg.norm(left.sculling)) / G * 1e6, rel=1e-2
+        )
+
+
+def test_every_verdict_is_the_requirements(shaken: list[Candidate]) -> None:
+    for candidate in shaken:
+        T = candidate.design.major_interval
+        fits = radians(200) * T <= 0.05 * (1 + 1e-9) and T <= 0.01 * (1 + 1e-9)
+        good = candidate.drift <= 1.7e-4 and (candidate.force or 0) <= 0.1
+        assert candidate.meets == (fits and good), candidate
+        assert bool(candidate.faults) != candidate.meets
+
+
+def test_families_rates_and_histories_are_tried(shaken: list[Candidate]) -> None:
+    algorithms = [c.design.algorithm for c in shaken]
+    assert {a.family for a in algorithms} == {
+        "frequency-taylor",
+        "time-taylor",
+        "uncompressed",
+        "least-squares",
+    }
+    assert {c.design.sensor.sample_rate_hz for c in shaken} == {2000.0, 1000.0, 500.0, 250.0}
+    assert {a.history for a in algorithms} == {0, 1}
+    assert len({c.design.name for c in shaken}) == len(shaken)
+
+
+def test_slower_samples_are_sums_of_the_sensors(shaken: list[Candidate]) -> None:
+    for candidate in shaken:
+        sensor = candidate.design.sensor
+        summed = 2000.0 / sensor.sample_rate_hz
+        assert sensor.gyro.lsb == STIM.sensor.gyro.lsb
+        # the sum of so many of the most negative counts fits
+        assert 2 ** (sensor.gyro.bits - 1) >= summed * 2 ** (STIM.sensor.gyro.bits - 1)
+
+
+def test_coning_counts_the_triple_products() -> None:
+    """At 5° every table is held up by the same floor, which the closed form does not know."""
+    found = advise(
+        STIM,
+        Environment(half_angle=radians(5), hertz=40.0),
+        Requirement(drift=1.0),
+        most_samples=4,
+        most_history=2,
+        slowest=1,
+    )
+    assert not any(c.meets for c in found)
+    assert all("coning leaves" in c.faults[0] for c in found)
+    table = frequency_taylor(4, 2)
+    assert abs(float(drift_rate(table, 0.087, 0.087, 2 * pi * 40, 1 / 2000))) * 206265 < 1e-3
+
+
+def test_counts_and_turns_that_do_not_fit_are_told() -> None:
+    fast = Environment(half_angle=radians(0.1), hertz=50.0, peak_rate=radians(30_000))
+    found = advise(STIM, fast, Requirement(1.0), most_samples=2, most_history=0, slowest=1)
+    faults = " ".join(found[0].faults)
+    assert "the gyro needs" in faults
+    assert "turns" in faults
+
+
+def test_a_turn_too_far_is_told_and_a_turn_just_allowed_is_not() -> None:
+    fast = Environment(half_angle=radians(0.1), hertz=50.0, peak_rate=radians(1000))
+    found = advise(STIM, fast, Requirement(100.0), most_samples=6, most_history=0)
+    turned = [c.design.major_interval * radians(1000) for c in found]
+    assert min(turned) < 0.05 < max(turned) < 0.45
+    for candidate, turn in zip(found, turned, strict=True):
+        assert any("turns" in fault for fault in candidate.faults) == (turn > 0.05)
+
+
+def test_rate_sensors_get_families_for_rates() -> None:
+    rate = Design.parse(
+        {
+            "name": "fog",
+            "sensor": {
+                "kind": "rate",
+                "sample_rate_hz": 1000.0,
+                "gyro": {"bits": 24, "lsb": 1e-6},
+                "accel": {"bits": 24, "lsb": 1e-4},
+            },
+            "algorithm": {"family": "filtered-rate", "samples": 2, "minors": 5},
+        }
+    )
+    found = advise(rate, SHAKEN, Requirement(1.0, 10.0), most_samples=3, most_history=1)
+    assert {c.design.algorithm.family for c in found} == {"filtered-rate", "tuned"}
+    assert {c.design.sensor.sample_rate_hz for c in found} == {1000.0}
+    assert any(c.meets for c in found)
+
+
+@pytest.mark.parametrize(
+    ("environment", "requirement", "message"),
+    [
+        (Environment(), Requirement(1.0), "neither a vibration nor coning"),
+        (SHAKEN, Requirement(), "give °/h, µg or both"),
+        (CONED, Requirement(1.0, 1.0), "no specific force"),
+    ],
+)
+def test_faults(environment: Environment, requirement: Requirement, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        advise(STIM, environment, requirement)
