@@ -34,7 +34,9 @@ test: lint
 lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/mypy
+	@# Python 3.10 ends at numpy 2.2, whose annotations are looser than those we are checked against
+	@if $(BIN)/python -c 'import sys; sys.exit(sys.version_info < (3, 11))'; \
+	  then echo $(BIN)/mypy; $(BIN)/mypy; else echo "mypy: left out on Python 3.10"; fi
 	$(BIN)/lint-imports
 
 format: $(READY)
