@@ -184,7 +184,8 @@ def designs(
     if family != "table":
         least = 1 if (family, n) == ("frequency-taylor", 1) else 0
         p = draw(st.integers(least, n))
-        return make_design("any", n, p, minors, widths, family)
+        kind = "rate" if family == "filtered-rate" else "increment"
+        return make_design("any", n, p, minors, widths, family, kind)
     tap = st.integers(-(1 << 20), 1 << 20) | st.integers(-3, 3)
     row = st.lists(tap, max_size=2 * n)
     flat = row.filter(any)

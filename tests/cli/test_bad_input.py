@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from sculler.commands import analyze
 from sculler.main import VERBS
 from sculler_sim.verilator_build import Tools
 
@@ -180,13 +181,23 @@ def test_usage(refused: Refused, case: str) -> None:
     assert "--help'" in line
 
 
-@pytest.mark.parametrize("verb", VERBS)
-def test_every_verb_has_help_with_an_example(run: Run, verb: str) -> None:
-    outcome = run(verb, "--help")
+COMMANDS = [
+    *((verb,) for verb in VERBS if verb != "analyze"),
+    *(("analyze", study) for study in analyze.VERBS),
+]
+
+
+@pytest.mark.parametrize("command", [*COMMANDS, ("analyze",)], ids=" ".join)
+def test_every_verb_has_help_with_an_example(run: Run, command: tuple[str, ...]) -> None:
+    outcome = run(*command, "--help")
     assert (outcome.status, outcome.err) == (0, "")
-    assert f"sculler {verb}" in outcome.out[outcome.out.index("Example") :]
-    assert "--json" in outcome.out
-    assert verb in run("--help").out
+    assert f"sculler {' '.join(command)}" in outcome.out[outcome.out.index("Example") :]
+    assert command[-1] in run(*command[:-1], "--help").out
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_every_verb_speaks_json(run: Run, command: tuple[str, ...]) -> None:
+    assert "--json" in run(*command, "--help").out
 
 
 def sculler(*words: object, **options: Any) -> subprocess.CompletedProcess[str]:

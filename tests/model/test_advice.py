@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import random
-from math import cos, degrees, pi, radians
+from math import degrees, pi, radians
 
 import numpy as np
 import pytest
+from amaranth.hdl import Fragment
 
 from sculler_hdl.core import PipelinedCore, tap_rows, weight_rows
 from sculler_hdl.parts import weighted_sum
@@ -56,6 +57,7 @@ def test_signed_digits_are_the_hardwares() -> None:
 def test_cost_is_what_the_core_is_made_of(algorithm: dict[str, object]) -> None:
     design = Design.preset("stim300", **algorithm)
     core, found = PipelinedCore(design), cost(design)
+    Fragment.get(core, None)  # Amaranth complains of parts that nobody builds
     n = design.table.samples
     products = {
         name: sum(6 * left.bits * right.bits for left, right in part.pairs)
@@ -128,8 +130,7 @@ def test_coning_drift_is_that_of_the_integer_path(
     found = coning_drift(
         design.table, M, cone.half_angle, 2 * pi * point.hertz, 1e-3, design.sensor.kind
     )
-    # it drifts about the cone's axis, of which the first body axes see the cosine
-    assert found * cos(cone.half_angle) == pytest.approx(point.complete, rel=2e-3, abs=3e-12)
+    assert found == pytest.approx(point.complete, rel=2e-3, abs=3e-12)
 
 
 def test_small_cones_leave_the_closed_form() -> None:

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import click
 
+from sculler import terminal
 from sculler.verbs import VerbGroup
 
 VERBS = ("coning", "sculling", "manoeuvre", "vibration", "quantisation")
 
 
-@click.group(cls=VerbGroup, package=__name__, verbs=VERBS)
+@click.group(
+    cls=VerbGroup,
+    package=__name__,
+    verbs=VERBS,
+    epilog=terminal.examples("sculler analyze coning stim300 --family time-taylor --samples 4"),
+)
 def command() -> None:
     """Show what a design leaves: by closed form and through the integer path.
 
