@@ -14,7 +14,8 @@ class VerbGroup(click.Group):
 
     Args:
         package: the package of the verbs' modules.
-        verbs: in the order of the help; verb V is the click command `command` of `package.V`.
+        verbs: in the order of the help; verb V is the click command `command` of the module
+            `package.V` (with _ for -).
     """
 
     def __init__(self, *args: Any, package: str, verbs: Sequence[str], **kwargs: Any) -> None:
@@ -29,6 +30,6 @@ class VerbGroup(click.Group):
         """A verb's command, None if there is no such verb."""
         if cmd_name not in self.verbs:
             return None
-        module = importlib.import_module(f"{self.package}.{cmd_name}")
+        module = importlib.import_module(f"{self.package}.{cmd_name.replace('-', '_')}")
         command: click.Command = module.command
         return command

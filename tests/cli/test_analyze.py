@@ -15,6 +15,7 @@ from sculler_model.design import Design
 from sculler_model.quantise import Quantiser
 
 Run = Callable[..., Any]
+Refused = Callable[..., str]
 
 FAMILY = ("--family", "frequency-taylor", "--samples", "2")
 QUICK = {
@@ -137,3 +138,25 @@ def test_navigate_takes_the_third_order(run: Run, tmp_path: Path) -> None:
         last = (tmp_path / name).read_text().splitlines()[-1].split(",")
         ends.append(np.array(last[1:5], float))
     assert 1e-8 < np.abs(ends[0] - ends[1]).max() < 1e-6
+
+
+def test_third_order_table_and_json(run: Run) -> None:
+    words = ("analyze", "third-order", "stim300", "--minors", 5, "--turn", 6, "--seconds", 4)
+    found = json.loads(run(*words, "--json").out)
+    (row,) = found["minors"]
+    # of third order: the integers mend it, and without a turn there is hardly any
+    assert row["integers"] < row["second_order"] / 100
+    (still,) = json.loads(run(*words, "--turn", 0, "--json").out)["minors"]
+    assert still["second_order"] < row["second_order"] / 100
+    assert "second order" in run(*words).out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--frequency", 1000), "--frequency: 1000 Hz is not below the Nyquist limit, 1000 Hz"),
+        (("--seconds", 0.001), "--seconds: 0.001 is too short, give at least 0.02"),
+    ],
+)
+def test_third_order_refuses(refused: Refused, words: tuple[object, ...], message: str) -> None:
+    assert message in refused("analyze", "third-order", "stim300", *words)

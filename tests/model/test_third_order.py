@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from math import pi, radians
+from math import radians
 
 import numpy as np
 import pytest
 
-from host_path import attitude_error, chained, fine_design
+from host_path import fine_design
+from sculler_model.analysis.triple import ConingTurn, left
 from sculler_model.design import Design
-from sculler_model.fast import run_fast
 from sculler_model.golden import GoldenModel, cross
-from sculler_model.host import major_increments
-from sculler_model.motion import Curve, Turn, X, Z, attitude, coning_turns, legendre_nodes
 from sculler_model.navigation.rotation import from_rotation_vector, product
-from sculler_model.quantise import Quantiser
 from sculler_model.third_order import third_order_vectors, third_order_words
 
 FVec = tuple[Fraction, ...]
@@ -87,28 +84,10 @@ def test_words_hold_the_worst() -> None:
 
 def test_they_see_vibration_in_a_turn_that_the_host_cannot() -> None:
     """6 °/s with 0.1° coning at 50 Hz, 10 ms intervals: a hundredth of the drift is left."""
-    turns = (
-        Turn(Z, Curve((0.0, radians(6.0)))),
-        Turn(X, Curve((radians(30.0),))),
-        *coning_turns(radians(0.1), 2 * pi * 50),
-    )
-    interval, count = 1 / 2000, 8000
-    nodes, weights = legendre_nodes(2 * pi * 100 * interval)
-    samples = np.zeros((count, 6))
-    for node, weight in zip(nodes, weights, strict=True):
-        _, rate = attitude(turns, (np.arange(count) + node) * interval)
-        samples[:, :3] += weight * interval * np.stack(rate, axis=1)
-    design = fine_design(4, 0, 5)
-    counts = Quantiser(design)(samples)
-    phi = major_increments(design, run_fast(design, counts)).phi
-    gamma = third_order_vectors(design, counts).rotation(design)
-    q, _ = attitude(turns, np.array([0.0, count * interval]))
-    start, end = (tuple(float(part[i]) for part in q) for i in (0, 1))
-    errors = [
-        float(np.linalg.norm(attitude_error(chained(start, vectors), end)))  # type: ignore[arg-type]
-        for vectors in (phi, phi + gamma)
-    ]
-    assert errors[1] < errors[0] / 100
+    motion = ConingTurn(radians(0.1), 50.0, radians(6.0), radians(30.0))
+    found = left(fine_design(4, 0, 5, rate=2000.0), motion, 5, 4.0)
+    assert found.integers < found.second_order / 100
+    assert found.integers < found.host / 10
 
 
 def test_composition_of_two_rotations() -> None:

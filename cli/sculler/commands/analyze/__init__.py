@@ -7,7 +7,7 @@ import click
 from sculler import terminal
 from sculler.verbs import VerbGroup
 
-VERBS = ("coning", "sculling", "manoeuvre", "vibration", "quantisation")
+VERBS = ("coning", "sculling", "manoeuvre", "vibration", "quantisation", "third-order")
 
 
 @click.group(
@@ -19,6 +19,6 @@ VERBS = ("coning", "sculling", "manoeuvre", "vibration", "quantisation")
 def command() -> None:
     """Show what a design leaves: by closed form and through the integer path.
 
-    Every study takes design files, presets and families (all combinations of --family, --samples
-    and --history), and sets them side by side in a table, as JSON, and in a picture (-o).
+    Most studies take design files, presets and families (all combinations of --family, --samples
+    and --history), and set them side by side in a table, as JSON, and in a picture (-o).
     """

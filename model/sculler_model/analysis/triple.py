@@ -1,0 +1,110 @@
+"""Coning in a steady turn: what the triple products leave, and who can mend it.
+
+The core's φ is of second order.  Under vibration in a turn the third-order terms drift; the host
+can estimate them from its sums (`host.ThirdOrder`), and exact accumulators at the minor rate could
+form them (`sculler_model.third_order`, a study).  All three run on the same counts here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.analysis.integer_path import changed, running_attitude, with_fine_sensor
+from sculler_model.design import Design
+from sculler_model.fast import run_fast
+from sculler_model.host import major_increments
+from sculler_model.motion import Curve, Turn, X, Z, attitude, coning_turns, legendre_nodes
+from sculler_model.navigation.rotation import Quaternion, conjugate, product, to_rotation_vector
+from sculler_model.quantise import Quantiser
+from sculler_model.third_order import third_order_vectors
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ConingTurn:
+    """Classical coning on a body that turns about the vertical, banked.
+
+    Attributes:
+        half_angle: of the cone, rad.
+        hertz: of the cone.
+        turn: rate about the vertical, rad/s.
+        bank: of the body, rad.
+    """
+
+    half_angle: float
+    hertz: float
+    turn: float = 0.0
+    bank: float = 0.0
+
+    def turns(self) -> tuple[Turn, ...]:
+        """The motion as `motion.attitude` takes it."""
+        coning = coning_turns(self.half_angle, 2 * pi * self.hertz)
+        return (Turn(Z, Curve((0.0, self.turn))), Turn(X, Curve((self.bank,))), *coning)
+
+    def increments(self, interval: float, count: int) -> Array:
+        """(count, 6) angle increments, rad; the accelerometers see nothing."""
+        nodes, weights = legendre_nodes(4 * pi * self.hertz * interval)
+        samples = np.zeros((count, 6))
+        for node, weight in zip(nodes, weights, strict=True):
+            _, rate = attitude(self.turns(), (np.arange(count) + node) * interval)
+            samples[:, :3] += weight * interval * np.stack(rate, axis=1)
+        return samples
+
+    def attitude(self, time: float) -> Quaternion:
+        """Body to reference frame."""
+        q, _ = attitude(self.turns(), np.array([time]))
+        w, x, y, z = (float(part[0]) for part in q)
+        return (w, x, y, z)
+
+
+@dataclass(frozen=True)
+class Left:
+    """Drift of the attitude, all axes together, rad/s.
+
+    Attributes:
+        minors: M.
+        second_order: as the core hands it over.
+        host: with the host's third-order correction.
+        integers: with exact third-order accumulators.
+    """
+
+    minors: int
+    second_order: float
+    host: float
+    integers: float
+
+
+def left(design: Design, motion: ConingTurn, minors: int, seconds: float) -> Left:
+    """Drift over a run on a sensor too fine to matter.
+
+    Args:
+        design: sample rate and coefficients (increments).
+        motion: the motion.
+        minors: M, in place of the design's.
+        seconds: length of the run, cut to whole major intervals.
+    """
+    design = changed(design, algorithm={"minors": minors})
+    interval = design.sample_interval
+    count = int(seconds / design.major_interval) * design.samples_per_major
+    samples = motion.increments(interval, count)
+    design = with_fine_sensor(design, float(np.abs(samples).max()))
+    counts = Quantiser(design)(samples)
+    block = run_fast(design, counts)
+    second = major_increments(design, block).phi
+    found = (
+        second,
+        major_increments(design, block, third_order=True).phi,
+        second + third_order_vectors(design, counts).rotation(design),
+    )
+    true = product(conjugate(motion.attitude(0.0)), motion.attitude(count * interval))
+    drifts = []
+    for phi in found:
+        w, x, y, z = running_attitude(phi)[-1].tolist()
+        error = to_rotation_vector(product((w, x, y, z), conjugate(true)))
+        drifts.append(float(np.linalg.norm(error)) / (count * interval))
+    return Left(minors, *drifts)
