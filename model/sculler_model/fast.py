@@ -17,8 +17,11 @@ finds the c for which no such sum can pass 64 bits.  A narrow design is the case
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
+from queue import SimpleQueue
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -50,6 +53,9 @@ Number = TypeVar("Number", int, NDArray[Any])
 BLOCK = 65536
 """Samples computed at a time: few enough for the cache, many enough for numpy."""
 
+THREADS = min(os.cpu_count() or 1, 4)
+"""Blocks computed at the same time."""
+
 FEW_MINORS = 16
 """Up to this many minor intervals per major, memory runs along majors, else along minors."""
 
@@ -73,7 +79,8 @@ class FastModel:
 
     def __init__(self, design: Design) -> None:
         self.design = design
-        self._arithmetic = _Arithmetic(design)
+        self._arithmetics = [_Arithmetic(design) for _ in range(THREADS)]
+        self._arithmetic = self._arithmetics[0]
         # A major interval reaches before the first sample if its first minor interval does.
         furthest = max(d - (k - 1) for k, d in _reaches(design.table))
         self._short_majors = -(-furthest // design.samples_per_major)
@@ -125,10 +132,28 @@ class FastModel:
             return np.concatenate([kept[start:stop], counts[new]], dtype=np.int64)
 
         components = np.empty((majors, len(COMPONENTS)), self._arithmetic.dtype)
-        for first in range(0, majors, self._arithmetic.majors):
-            last = min(first + self._arithmetic.majors, majors)
-            block = rows(first * span, last * span + self._arithmetic.history)
-            components[first:last] = self._arithmetic.components(block)
+        idle = SimpleQueue[_Arithmetic]()
+        for arithmetic in self._arithmetics:
+            idle.put(arithmetic)
+
+        def compute(first: int) -> None:
+            arithmetic = idle.get()
+            try:
+                last = min(first + arithmetic.majors, majors)
+                block = rows(first * span, last * span + arithmetic.history)
+                components[first:last] = arithmetic.components(block)
+            finally:
+                idle.put(arithmetic)
+
+        blocks = range(0, majors, self._arithmetic.majors)
+        if len(blocks) == 1:
+            compute(0)
+        else:
+            # numpy lets go of the interpreter while it computes, so threads share the blocks
+            # out; `map` gives their ends in order, and so the first block's fault
+            with ThreadPoolExecutor(len(self._arithmetics)) as pool:
+                for _ in pool.map(compute, blocks):
+                    pass
         still_needed = rows(majors * span, len(kept) + len(counts)).copy()
 
         major = np.arange(first_major, first_major + majors, dtype=np.int64)

@@ -327,3 +327,16 @@ def test_counts_of_another_form_are_refused(counts: Any) -> None:
 def test_faults_of_another_form_are_refused(faults: Any) -> None:
     with pytest.raises(InputError, match=r"^faults: .* give 2 integers or booleans"):
         run_fast(DESIGNS["smallest"], np.zeros((2, 6), int), faults)
+
+
+def test_blocks_computed_side_by_side_stay_in_order() -> None:
+    design = DESIGNS["stim300_4x5"]
+    counts = random_counts(design, 5 * fast.BLOCK, np.random.default_rng(8))
+    model = FastModel(design)
+    one_by_one = [model.feed(part) for part in np.array_split(counts, 20)]
+    whole = run_fast(design, counts)
+    assert (whole.components == VectorBlock.concatenate(one_by_one).components).all()
+    for t in (1, 3 * fast.BLOCK, 5 * fast.BLOCK - 1):
+        counts[t, 4] = 1 << 23
+    with pytest.raises(InputError, match=r"^sample 1: accel_y"):
+        run_fast(design, counts)
