@@ -253,6 +253,3 @@ FAMILIES: dict[str, Callable[[int, int], TapTable]] = {
     "filtered-rate": filtered_rate,
 }
 """Families computed from (samples, history)."""
-
-FAMILY_SENSOR_KIND = {"frequency-taylor": "increment", "filtered-rate": "rate"}
-"""What each computed family takes its samples to be."""

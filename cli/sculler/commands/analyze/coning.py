@@ -25,14 +25,7 @@ REQUIREMENTS = (1.7e-4, 1.7e-5)
     ),
 )
 @subjects.subject_options
-@click.option(
-    "--half-angle",
-    type=terminal.number_type(0, 45, above=True),
-    default=0.1,
-    show_default=True,
-    metavar="DEG",
-    help="Half angle of the cone.",
-)
+@subjects.half_angle_option
 @frequency_options("°/h", REQUIREMENTS)
 @subjects.picture_option
 @terminal.json_option

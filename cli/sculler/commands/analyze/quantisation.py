@@ -28,14 +28,7 @@ PER_HOUR = degrees(1) * 3600
     ),
 )
 @subjects.subject_options
-@click.option(
-    "--half-angle",
-    type=terminal.number_type(0, 45, above=True),
-    default=0.1,
-    show_default=True,
-    metavar="DEG",
-    help="Half angle of the coning.",
-)
+@subjects.half_angle_option
 @click.option(
     "--frequency",
     type=terminal.number_type(0, above=True),

@@ -163,3 +163,14 @@ def _of_family(
         sensor[axes] = word | {"lsb": word["lsb"] * scale}
     name = "family_" + "".join(c if c.isalnum() else "_" for c in f"{family[:40]}_{n}_{p}")
     return Design.parse({"name": name, "sensor": sensor, "algorithm": algorithm}, where=family)
+
+
+half_angle_option = click.option(
+    "--half-angle",
+    type=terminal.number_type(0, 45, above=True),
+    default=0.1,
+    show_default=True,
+    metavar="DEG",
+    help="Half angle of the cone.",
+)
+"""`half_angle`, degrees."""

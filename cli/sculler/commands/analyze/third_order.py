@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sculler import terminal
+from sculler.commands.analyze import subjects
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -22,14 +23,7 @@ if TYPE_CHECKING:
     ),
 )
 @terminal.design_argument
-@click.option(
-    "--half-angle",
-    type=terminal.number_type(0, 45, above=True),
-    default=0.1,
-    show_default=True,
-    metavar="DEG",
-    help="Half angle of the cone.",
-)
+@subjects.half_angle_option
 @click.option(
     "--frequency",
     type=terminal.number_type(0, 1e6, above=True),
