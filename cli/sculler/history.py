@@ -94,4 +94,5 @@ def _rows(history: NavHistory, rows: slice) -> NavHistory:
         history.lat[rows],
         history.lon[rows],
         history.h[rows],
+        history.wander[rows],
     )

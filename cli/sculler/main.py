@@ -22,6 +22,7 @@ VERBS = (
     "simulate",
     "compare",
     "convert",
+    "motion",
     "navigate",
     "analyze",
     "advise",

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sculler.terminal import three_digits
 from sculler_model.errors import InputError
 from sculler_model.navigation import NavHistory
-from sculler_model.navigation.earth import radii
+from sculler_model.navigation.earth import SEMI_MAJOR_AXIS, radii
 from sculler_sim.files import replacing
 
 if TYPE_CHECKING:
@@ -82,11 +82,33 @@ def local_metres(history: NavHistory, origin: NavHistory) -> tuple[Array, Array,
     return north, east, history.h - h
 
 
+def from_above(history: NavHistory, origin: NavHistory) -> tuple[Array, Array]:
+    """North and east (m) of the first state of `origin`: distance and azimuth kept from there.
+
+    On a sphere; it serves at the poles and half round the Earth.
+    """
+    lat, lon = float(origin.lat[0]), float(origin.lon[0])
+    turned = history.lon - lon
+    # small differences by half angles, which keep their digits
+    across = np.cos(history.lat) * np.sin(turned)
+    along = np.sin(history.lat - lat) + 2 * np.sin(lat) * np.cos(history.lat) * (
+        np.sin(0.5 * turned) ** 2
+    )
+    half = np.sqrt(
+        np.sin(0.5 * (history.lat - lat)) ** 2
+        + np.cos(lat) * np.cos(history.lat) * np.sin(0.5 * turned) ** 2
+    )
+    distance = 2 * SEMI_MAJOR_AXIS * np.arcsin(np.minimum(half, 1.0))
+    length = np.hypot(along, across)
+    stretch = np.divide(distance, length, out=np.zeros_like(length), where=length > 0)
+    return along * stretch, across * stretch
+
+
 def navigation_pictures(history: NavHistory, output: Path) -> list[Path]:
     """Ground track, velocity, attitude and height, beside the CSV `output`."""
     path = output.with_suffix(".png")
-    north, east, _ = local_metres(history, history)
-    scale, unit = _time_scale(history.time)
+    north, east = from_above(history, history)
+    scale, unit = time_scale(history.time)
     t = history.time / scale
     with new_figure(path, 12, 8) as figure:
         track, velocity, attitude, height = figure.subplots(2, 2).ravel()
@@ -96,7 +118,7 @@ def navigation_pictures(history: NavHistory, output: Path) -> list[Path]:
         ):
             velocity.plot(t, history.v[:, column], color=colour, label=name)
         velocity.set(title="Velocity over the Earth", ylabel="m/s", xlabel=f"time ({unit})")
-        _legend(velocity)
+        legend(velocity)
         _angles(attitude, t, np.degrees(history.euler))
         attitude.set(title="Attitude", xlabel=f"time ({unit})")
         height.plot(t, history.h, color=BLUE)
@@ -104,7 +126,7 @@ def navigation_pictures(history: NavHistory, output: Path) -> list[Path]:
     return [path]
 
 
-def _time_scale(time: Array) -> tuple[float, str]:
+def time_scale(time: Array) -> tuple[float, str]:
     """Seconds per unit of the time axis, and the unit."""
     length = float(time[-1] - time[0])
     return (1.0, "s") if length < 1000 else (60.0, "min") if length < 4 * 3600 else (3600.0, "h")
@@ -119,10 +141,10 @@ def _track(axes: Axes, tracks: Mapping[str, tuple[Array, Array, str, float]]) ->
     axes.plot(0, 0, "o", color="black", label="start")
     axes.set(title="Ground track", xlabel=f"east ({unit})", ylabel=f"north ({unit})")
     axes.set_aspect("equal", adjustable="datalim")
-    _legend(axes)
+    legend(axes)
 
 
-def _legend(axes: Axes, lines: Sequence[Line2D] | None = None) -> None:
+def legend(axes: Axes, lines: Sequence[Line2D] | None = None) -> None:
     """A legend on the title's line, where it hides nothing."""
     lines = axes.get_lines() if lines is None else lines
     axes.legend(
@@ -147,7 +169,7 @@ def _angles(axes: Axes, t: Array, degrees: Array) -> None:
     right.set_ylabel("heading (°)")
     right.grid(False)
     right.spines["right"].set_visible(True)
-    _legend(axes, [*axes.get_lines(), *right.get_lines()])
+    legend(axes, [*axes.get_lines(), *right.get_lines()])
 
 
 Errors = Mapping[str, tuple[Array, Array, Array]]
@@ -179,7 +201,7 @@ def error_picture(path: Path, time: Array, errors: Errors) -> None:
                     annotation_clip=False,
                 )
             axes.set(title=title, ylabel=unit, xlim=(0, float(time[-1])))
-            _legend(axes)
+            legend(axes)
         panels[-1].set_xlabel("time (s)")
 
 

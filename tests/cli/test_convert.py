@@ -63,7 +63,7 @@ def csv(tmp_path: Path, content: str) -> Path:
 )
 def test_gyro_units(tmp_path: Path, convert: Run, unit: str, value: str, expected: int) -> None:
     log = csv(tmp_path, f"{COLUMNS}\n0,{value},0,0,0,0\n")
-    _, counts = convert(log, "--gyro-unit", unit, "--accel-unit", "m/s")
+    _, counts = convert(log, "--gyro-unit", unit, "--accel-unit", "m/s", "--rates", "mean")
     assert counts == [[0, expected, 0, 0, 0, 0]]
 
 
@@ -82,7 +82,7 @@ def test_accelerometer_units(
     tmp_path: Path, convert: Run, unit: str, value: str, expected: int
 ) -> None:
     log = csv(tmp_path, f"{COLUMNS}\n0,0,0,0,0,{value}\n")
-    _, counts = convert(log, "--gyro-unit", "rad", "--accel-unit", unit)
+    _, counts = convert(log, "--gyro-unit", "rad", "--accel-unit", unit, "--rates", "mean")
     assert counts == [[0, 0, 0, 0, 0, expected]]
 
 
@@ -122,7 +122,8 @@ def test_columns_by_name_delimiter_and_preamble(tmp_path: Path, convert: Run) ->
     assert counts == [[4, 5, 6, 1, 2, 3], [10, 11, 12, 7, 8, 9]]
     assert said["samples"] == 2
     assert said["seconds"] == 0.002
-    assert "no gaps" in said["notes"]["time"]
+    assert said["notes"]["time stamps"] == "t, s"
+    assert said["timing"]["gap_count"] == 0
 
 
 @pytest.mark.parametrize("head", ["", "a b c d e f\n"], ids=["no header", "header"])
@@ -218,7 +219,7 @@ FAULTS: dict[str, tuple[str, tuple[str, ...], str]] = {
     "time goes back": (
         f"t,{COLUMNS}\n0,0,0,0,0,0,0\n0.001,0,0,0,0,0,0\n0.001,0,0,0,0,0,0\n",
         (*UNITS, "--time-column", "t"),
-        "sample 2: time does not grow",
+        "sample 2: time does not grow, it repeats the stamp before (0.001000000 s)",
     ),
     "option of another format": (
         f"{COLUMNS}\n0,0,0,0,0,0\n",
@@ -244,13 +245,6 @@ def test_binary_and_absent_csv(tmp_path: Path, refused: Refused, design: Path) -
     words = ("-o", tmp_path / "out.csv", "--design", design, *UNITS)
     assert "not a text file in UTF-8" in refused("convert", log, *words)
     assert "cannot read the log" in refused("convert", tmp_path / "absent.csv", *words)
-
-
-def test_gaps_in_time_are_told(tmp_path: Path, convert: Run) -> None:
-    rows = "".join(f"{t},0,0,0,0,0,0\n" for t in (0, 1, 2, 5, 6, 7, 8, 20))
-    log = csv(tmp_path, f"ms,{COLUMNS}\n{rows}")
-    said, _ = convert(log, *UNITS, "--time-column", "ms", "--time-unit", "ms")
-    assert "2 gaps (longest 0.012 s)" in said["notes"]["time"]
 
 
 # MAT

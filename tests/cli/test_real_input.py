@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
+import shlex
+import sys
 from collections.abc import Callable
 from pathlib import Path
+from subprocess import run as run_program
+from textwrap import dedent
 from typing import Any
 
 import numpy as np
@@ -18,6 +23,7 @@ Run = Callable[..., Any]
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 DESIGN = EXAMPLES / "lasergyro.toml"
+DRIVE = Path(__file__).parents[2] / "docs/drive.md"
 
 
 def test_laser_gyro(run: Run, data: Path, tmp_path: Path) -> None:
@@ -71,10 +77,66 @@ def test_drive_from_mat(run: Run, data: Path, tmp_path: Path) -> None:
     assert outcome.status == 0, outcome.err
     said = json.loads(outcome.out)
     assert said["samples"] == 10_001
-    assert "no gaps" in said["notes"]["time"]
+    assert said["timing"]["gap_count"] == said["timing"]["unequal_steps"] == 0
     counts = np.concatenate([c for c, _ in read_log(log, Design.load(design))])
     imu = scipy.io.loadmat(source)["mimu"][:, :6]
     lsb = np.array([1e-9] * 3 + [1e-7] * 3)
     # no angle is lost: at every sample the totals agree to half a count
     assert np.abs(np.cumsum(counts, axis=0) - np.cumsum(imu, axis=0) / lsb).max() < 0.51
     assert run("model", design, log, "-o", tmp_path / "v.csv").status == 0
+
+
+def page_blocks() -> list[str]:
+    """The indented blocks of docs/drive.md: design, script, commands, fitted constants."""
+    text = DRIVE.read_text()
+    blocks = re.findall(r"(?:(?:^ {4}.*|^)\n)*^ {4}.*\n", text, re.MULTILINE)
+    return [dedent(block).strip() + "\n" for block in blocks]
+
+
+def test_drive_as_the_page_tells_it(
+    run: Run, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The commands of docs/drive.md give its figures."""
+    source = data / "transfer_align_fog_mems.mat"
+    if not source.is_file():
+        pytest.skip(f"no {source}")
+    (tmp_path / source.name).symlink_to(source.resolve())
+    monkeypatch.chdir(tmp_path)
+    design, script, commands, fitted = page_blocks()
+    Path("mems.toml").write_text(design)
+    Path("reference.py").write_text(script)
+    run_program([sys.executable, "reference.py"], check=True)
+
+    def follow(*extra: str) -> Any:
+        for line in commands.replace("\\\n", " ").splitlines():
+            words = shlex.split(line)
+            if words[0] != "sculler":
+                continue
+            if words[1] == "convert":
+                words += extra
+            if words[1] == "navigate":
+                words = [*words[: words.index("--report")], "--no-plots"]
+            outcome = run(*words[1:], "--json")
+            assert outcome.status == 0, outcome.err
+        return json.loads(outcome.out)
+
+    said = follow()
+    errors = said["errors"]
+    assert said["seconds"] == pytest.approx(99.9)
+    assert errors["attitude_arcsec"]["north"]["rms"] == pytest.approx(197, abs=1)
+    assert errors["attitude_arcsec"]["east"]["rms"] == pytest.approx(65, abs=1)
+    assert errors["attitude_arcsec"]["down"]["final"] == pytest.approx(875, abs=2)
+    finals = {axis: found["final"] for axis, found in errors["velocity_m_s"].items()}
+    assert finals["north"] == pytest.approx(2.87, abs=0.01)
+    assert finals["east"] == pytest.approx(-0.09, abs=0.01)
+    assert finals["down"] == pytest.approx(-0.21, abs=0.01)
+    finals = {axis: found["final"] for axis, found in errors["position_m"].items()}
+    assert finals["north"] == pytest.approx(142, abs=1)
+    assert finals["east"] == pytest.approx(-4.5, abs=0.1)
+    assert finals["down"] == pytest.approx(-12.5, abs=0.1)
+
+    # a later option of the same name goes before the earlier
+    errors = follow(*shlex.split(fitted))["errors"]
+    assert errors["attitude_arcsec"]["down"]["rms"] == pytest.approx(35, abs=1)
+    assert errors["position_m"]["horizontal"]["rms"] == pytest.approx(0.38, abs=0.02)
+    assert errors["position_m"]["horizontal"]["final"] == pytest.approx(0.61, abs=0.02)

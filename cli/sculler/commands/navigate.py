@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import chain
 from math import cos, degrees, hypot, pi, radians, sin
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from sculler import terminal
 
 if TYPE_CHECKING:
+    from sculler.against_truth import AgainstTruth
+    from sculler_model.blocks import VectorBlock
     from sculler_model.design import Design
     from sculler_model.host import MajorIncrements
-    from sculler_model.navigation import Alignment, NavState
+    from sculler_model.navigation import Alignment, FineAlignment, Mechanisation, NavState
 
 _ANGLES = ("roll", "pitch", "heading")
 _VELOCITIES = ("vn", "ve", "vd")
@@ -28,6 +30,7 @@ _VELOCITIES = ("vn", "ve", "vd")
         "    --lat 34.246048 --lon 108.909664 --height 380 --align 300",
         "sculler navigate stim300 vectors.csv -o nav.csv --heading 90 --ve 30 \\\n"
         "    --lat 48 --lon 11 --height 500",
+        "sculler navigate stim300 vectors.csv -o nav.csv --truth truth.csv --report run.html",
     ),
 )
 @terminal.design_argument
@@ -36,16 +39,12 @@ _VELOCITIES = ("vn", "ve", "vd")
 @click.option(
     "--lat",
     type=terminal.number_type(),
-    required=True,
     help="Initial geodetic latitude, degrees north.",
 )
-@click.option(
-    "--lon", type=terminal.number_type(), required=True, help="Initial longitude, degrees east."
-)
+@click.option("--lon", type=terminal.number_type(), help="Initial longitude, degrees east.")
 @click.option(
     "--height",
     type=terminal.number_type(),
-    required=True,
     help="Initial height over the ellipsoid, m.",
 )
 @click.option("--roll", type=terminal.number_type(), help="Initial roll, degrees; 0 if left out.")
@@ -67,11 +66,24 @@ _VELOCITIES = ("vn", "ve", "vd")
     "--vd", type=terminal.number_type(), help="Initial velocity down, m/s; 0 if left out."
 )
 @click.option(
+    "--start",
+    "begin",
+    type=terminal.number_type(0),
+    metavar="SECONDS",
+    help="Begin at this time, the end of a major interval, and pass over what comes before.",
+)
+@click.option(
     "--align",
     "align_seconds",
     type=terminal.number_type(0, above=True),
     metavar="SECONDS",
     help="Find the attitude from this long at rest at the beginning: levelled and gyro-compassed.",
+)
+@click.option(
+    "--fine",
+    is_flag=True,
+    help="Refine --align by a Kalman filter, meant for navigation-grade sensors, and take out the"
+    " gyro bias that it finds.",
 )
 @click.option(
     "--axes",
@@ -80,9 +92,45 @@ _VELOCITIES = ("vn", "ve", "vd")
     help='Sensor axes that point forward, right, down: "y,x,-z" for a unit right, forward, up.',
 )
 @click.option(
+    "--mechanisation",
+    type=click.Choice(["wander", "geographic"]),
+    default="wander",
+    show_default=True,
+    help="Wander azimuth, which works at the poles too, or north-pointing.",
+)
+@click.option(
+    "--position-every",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    metavar="J",
+    help="Major intervals from one position update to the next (wander only).",
+)
+@click.option(
+    "--height-damping",
+    type=terminal.number_type(0, above=True),
+    metavar="SECONDS",
+    help="Hold the height to the initial one by a third-order loop with this time constant"
+    " (wander only).",
+)
+@click.option(
     "--third-order",
     is_flag=True,
     help="Correct the rotation vectors for the triple products of smooth manoeuvres.",
+)
+@click.option(
+    "--truth",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Hold the run against this truth (CSV of `motion`); what of the initial state is left out"
+    " comes from its first row.",
+)
+@click.option(
+    "--report",
+    "page",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.html",
+    help="Write the run as one HTML page: figures, pictures, settings, design.",
 )
 @click.option(
     "--plots/--no-plots", default=True, show_default=True, help="Pictures beside the output."
@@ -92,12 +140,19 @@ def command(
     design_name: str,
     vectors: str,
     output: Path,
-    lat: float,
-    lon: float,
-    height: float,
+    lat: float | None,
+    lon: float | None,
+    height: float | None,
+    begin: float | None,
     align_seconds: float | None,
+    fine: bool,
     axes: str,
+    mechanisation: str,
+    position_every: int,
+    height_damping: float | None,
     third_order: bool,
+    truth: Path | None,
+    page: Path | None,
     plots: bool,
     as_json: bool,
     **initial: float | None,
@@ -109,11 +164,16 @@ def command(
     interval: time_s; the attitude quaternion q_w, q_x, q_y, q_z from body to north-east-down;
     roll_deg, pitch_deg, heading_deg (heading from north to east); v_north, v_east, v_down (m/s);
     lat_deg, lon_deg (geodetic) and height_m (over the ellipsoid).
+
+    With --truth the errors of attitude, velocity and position are told and drawn.  They are formed
+    at the instants of whichever of the two is sparser; where the other has no state at such an
+    instant it is interpolated: position by a cubic, velocity linearly, attitude evenly.
     """
+    from sculler.against_truth import AgainstTruth, table
     from sculler.history import HistoryWriter, Thinned
     from sculler_model.errors import InputError
     from sculler_model.host import ThirdOrder, major_increments
-    from sculler_model.navigation import AxisMap, NavHistory, Navigator, trajectory
+    from sculler_model.navigation import AxisMap, NavHistory, trajectory
     from sculler_sim.files import replacing
     from sculler_sim.vectors_file import read_vectors
 
@@ -123,10 +183,23 @@ def command(
         for name, value in initial.items():
             if value is not None:
                 raise click.UsageError(f"--{name} and --align contradict each other, give one")
+        if begin is not None:
+            raise click.UsageError("--start and --align contradict each other, give one")
+    if fine and align_seconds is None:
+        raise click.UsageError("--fine refines --align, give that too")
+    if truth is None:
+        for name, value in (("lat", lat), ("lon", lon), ("height", height)):
+            if value is None:
+                raise click.UsageError(
+                    f"Missing option '--{name}' (or --truth, which says where the run begins)"
+                )
     if plots:
         from sculler.plots import require_matplotlib
 
         require_matplotlib()
+    reference = None if truth is None else AgainstTruth(truth, design.major_interval, begin)
+    place = _place(lat, lon, height, reference)
+    faults = _Faults()
 
     with (
         terminal.progress("navigating", None) as advance,
@@ -134,43 +207,177 @@ def command(
     ):
         increments: Iterator[MajorIncrements] = (
             major_increments(design, block).in_axes(axis_map)
-            for block in read_vectors(vectors, design)
+            for block in faults.count(read_vectors(vectors, design))
         )
         if third_order:
             increments = map(ThirdOrder(), increments)
-        alignment = None
+        alignment = finely = None
         if align_seconds is not None:
             window, increments = _split(increments, round(align_seconds / design.major_interval))
-            alignment, start = _aligned(design, window, lat, lon, height, align_seconds)
+            alignment, start = _aligned(design, window, place, align_seconds)
+            if fine:
+                finely, start = _finely(design, window, place)
+                T = design.major_interval
+                increments = (finely.corrected(block, T) for block in increments)
         else:
-            start = _given(lat, lon, height, initial)
+            begin = begin or 0.0 if reference is None else reference.first.time
+            skipped = _intervals(
+                begin, design.major_interval, "--start" if truth is None else truth
+            )
+            _, increments = _split(increments, skipped)
+            start = _given(begin, place, initial, reference)
         shown = Thinned()
         with HistoryWriter(temporary) as writer:
-            navigator = Navigator(start, design.major_interval)
+            navigator = _mechanisation(
+                mechanisation, start, design.major_interval, position_every, height_damping
+            )
             track = trajectory(navigator, increments)
             for part in chain([NavHistory.from_states([start])], track):
                 writer.write(part)
                 shown.add(part)
+                if reference is not None:
+                    reference.add(part)
                 advance(len(part))
         if navigator.state == start:
             raise InputError(f"{vectors}: no results to navigate with, give a longer log")
+        if reference is not None:
+            reference.finish()
     data = _summary(design, vectors, output, start, navigator.state, alignment)
+    data["fault_results"] = faults.results
+    if finely is not None:
+        data["alignment"] |= _fine_facts(finely)
+    if reference is not None:
+        data["errors"] = reference.summary()
     if plots:
         from sculler.plots import navigation_pictures
 
-        data["plots"] = [str(path) for path in navigation_pictures(shown.history(), output)]
-    terminal.report(data, as_json, terminal.facts(_facts(data)))
+        pictures = navigation_pictures(shown.history(), output)
+        if reference is not None:
+            from sculler.plots_truth import truth_pictures
+
+            pictures += truth_pictures(*reference.shown(), reference.growth, output)
+        data["plots"] = [str(path) for path in pictures]
+    if page is not None:
+        data["report"] = str(page)
+        _write_report(page, design, data, click.get_current_context().params)
+    errors = () if reference is None else ("", table(data["errors"]))
+    terminal.report(data, as_json, terminal.facts(_facts(data)), *errors)
 
 
-def _given(lat: float, lon: float, height: float, initial: dict[str, float | None]) -> NavState:
-    """The initial state as the options give it."""
+class _Faults:
+    """Counts the results that carry the status bit of a faulty sample."""
+
+    def __init__(self) -> None:
+        self.results = 0
+
+    def count(self, blocks: Iterable[VectorBlock]) -> Iterator[VectorBlock]:
+        """Pass the blocks on."""
+        from sculler_model.vectors import STATUS_FAULT
+
+        for block in blocks:
+            self.results += int(((block.status & STATUS_FAULT) != 0).sum())
+            yield block
+
+
+def _write_report(
+    page: Path, design: Design, data: dict[str, Any], settings: dict[str, Any]
+) -> None:
+    """The run as one page."""
+    from sculler.report import write_report
+
+    used = {key: value for key, value in settings.items() if value not in (None, False)}
+    pictures = [Path(path) for path in data.get("plots", [])]
+    write_report(page, design, _facts(data), data.get("errors"), pictures, used, _warnings(data))
+
+
+def _warnings(data: dict[str, Any]) -> list[str]:
+    """What to look at before trusting the run."""
+    warnings = list(data.get("alignment", {}).get("warnings", []))
+    if data["fault_results"]:
+        warnings.append(
+            f"{terminal.plural(data['fault_results'], 'result')} with faulty samples (status bit 1)"
+        )
+    return warnings
+
+
+class _Place(NamedTuple):
+    """Initial position: rad, rad, m."""
+
+    lat: float
+    lon: float
+    height: float
+
+
+def _place(
+    lat: float | None, lon: float | None, height: float | None, reference: AgainstTruth | None
+) -> _Place:
+    """Of the options (degrees, m), and of the truth what they leave out."""
+    given = (
+        None if lat is None else radians(lat),
+        None if lon is None else radians(lon),
+        height,
+    )
+    first = (0.0, 0.0, 0.0)
+    if reference is not None:
+        first = (reference.first.lat, reference.first.lon, reference.first.h)
+    return _Place(
+        *(there if here is None else here for here, there in zip(given, first, strict=True))
+    )
+
+
+def _mechanisation(
+    name: str, start: NavState, interval: float, position_every: int, damping: float | None
+) -> Mechanisation:
+    """What carries the state, as the options choose it."""
+    from sculler_model.navigation import GeographicNavigator, HeightDamping, Navigator
+
+    if name == "geographic":
+        if position_every > 1 or damping is not None:
+            raise click.UsageError(
+                "--position-every and --height-damping are for the wander azimuth, leave them out"
+                " or give --mechanisation wander"
+            )
+        return GeographicNavigator(start, interval)
+    loop = None if damping is None else HeightDamping(start.h, damping)
+    return Navigator(start, interval, position_every=position_every, height_damping=loop)
+
+
+def _intervals(begin: float, interval: float, where: str | Path) -> int:
+    """Major intervals before a time at which the run begins."""
+    from sculler_model.errors import InputError
+    from sculler_model.navigation_errors import SAME_INSTANT
+
+    count = round(begin / interval)
+    if count < 0 or abs(begin - count * interval) > SAME_INSTANT:
+        raise InputError(
+            f"{where}: the run cannot begin at {begin:.9g} s, which is not the end of a major"
+            f" interval of {interval:g} s; give another time to --start"
+        )
+    return count
+
+
+def _given(
+    begin: float, place: _Place, initial: dict[str, float | None], reference: AgainstTruth | None
+) -> NavState:
+    """The initial state of the options, and of the truth what they leave out; else level, still."""
     from sculler_model.navigation import NavState
     from sculler_model.navigation.rotation import from_euler
 
-    roll, pitch, heading = (radians(initial[name] or 0.0) for name in _ANGLES)
-    vn, ve, vd = (initial[name] or 0.0 for name in _VELOCITIES)
-    q = from_euler(roll, pitch, heading)
-    return NavState(0.0, q, (vn, ve, vd), radians(lat), radians(lon), height)
+    origin = NavState(begin, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), *place)
+    if reference is not None:
+        origin = reference.first
+    q = origin.q
+    if any(initial[name] is not None for name in _ANGLES):
+        roll, pitch, heading = (
+            here if (value := initial[name]) is None else radians(value)
+            for name, here in zip(_ANGLES, origin.euler, strict=True)
+        )
+        q = from_euler(roll, pitch, heading)
+    vn, ve, vd = (
+        here if (value := initial[name]) is None else value
+        for name, here in zip(_VELOCITIES, origin.v, strict=True)
+    )
+    return NavState(origin.time, q, (vn, ve, vd), *place)
 
 
 def _split(
@@ -190,9 +397,7 @@ def _split(
 def _aligned(
     design: Design,
     window: list[MajorIncrements],
-    lat: float,
-    lon: float,
-    height: float,
+    place: _Place,
     wanted: float,
 ) -> tuple[Alignment, NavState]:
     """Alignment over the window, and the state at its end."""
@@ -206,8 +411,32 @@ def _aligned(
         raise InputError(
             f"--align: {wanted:g} s are more than the {seconds:g} s of vectors, give less"
         )
-    alignment = align(MajorIncrements.concatenate(window), T, radians(lat), height)
-    return alignment, alignment.state(radians(lat), radians(lon), height)
+    alignment = align(MajorIncrements.concatenate(window), T, place.lat, place.height)
+    return alignment, alignment.state(*place)
+
+
+def _finely(
+    design: Design, window: list[MajorIncrements], place: _Place
+) -> tuple[FineAlignment, NavState]:
+    """Fine alignment over the window, and the state at its end."""
+    from sculler_model.host import MajorIncrements
+    from sculler_model.navigation import align_finely
+
+    rest = MajorIncrements.concatenate(window)
+    found = align_finely(rest, design.major_interval, place.lat, place.height)
+    return found, found.state(*place)
+
+
+def _fine_facts(found: FineAlignment) -> dict[str, Any]:
+    """What the fine stage adds to the alignment's data."""
+    north, east, heading = map(degrees, found.sigma)
+    return {
+        "heading_sigma_deg": heading,
+        "level_sigma_deg": hypot(north, east),
+        "gyro_bias_deg_per_h": [degrees(rate) * 3600 for rate in found.gyro_bias],
+        "surprise": found.surprise,
+        "warnings": list(found.warnings),
+    }
 
 
 def _summary(
@@ -265,6 +494,8 @@ def _summary(
 
 
 def _facts(data: dict[str, Any]) -> dict[str, str]:
+    from sculler import against_truth
+
     rows = {}
     if "alignment" in data:
         found = data["alignment"]
@@ -273,8 +504,14 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
             f" latitude {found['implied_latitude_deg']:.3f}°, heading scatter"
             f" {found['heading_sigma_deg']:.3f}°"
         )
-        for number, warning in enumerate(found["warnings"], start=1):
-            rows[f"warning {number}"] = warning
+        if "level_sigma_deg" in found:
+            bias = ", ".join(f"{rate:+.4f}" for rate in found["gyro_bias_deg_per_h"])
+            rows["fine alignment"] = (
+                f"level to {found['level_sigma_deg']:.2g}°, heading to"
+                f" {found['heading_sigma_deg']:.2g}° (1 σ), gyro biases {bias} °/h in the body"
+            )
+    for number, warning in enumerate(_warnings(data), start=1):
+        rows[f"warning {number}"] = warning
 
     def attitude(angles: dict[str, float]) -> str:
         return ", ".join(f"{name} {angle:.4f}°" for name, angle in angles.items())
@@ -293,5 +530,7 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
         "heading change": f"{data['heading_change_deg']:.4f}°,"
         f" {data['heading_change_deg_per_h']:.4f} °/h",
         "wrote": data["output"],
+        **(against_truth.facts(data["errors"]) if "errors" in data else {}),
         **({"pictures": ", ".join(data["plots"])} if "plots" in data else {}),
+        **({"report": data["report"]} if "report" in data else {}),
     }

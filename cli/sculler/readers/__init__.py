@@ -1,7 +1,8 @@
 """Foreign IMU logs, one module per format; `sculler convert` makes core logs of them.
 
-A reader yields what the file holds as a `Recording`: numbers in the file's own units.  Bringing
-them to the design's counts is the same for all formats and is `sculler.conversion`.
+A reader yields what the file holds as a `Recording`: numbers in the file's own units, and the times
+of its own clock.  What becomes of the times is `sculler.readers.timing`; bringing the numbers to
+the design's counts is the same for all formats and is `sculler.conversion`.
 """
 
 from __future__ import annotations
@@ -9,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from math import pi
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-Kind = Literal["increment", "rate"]
+from sculler_model.sampling import Kind
+
 Advance = Callable[[int], None]
 
 
@@ -60,17 +62,62 @@ ACCEL_UNITS = {
         Unit("counts", None, None),
     )
 }
+GYRO_BIAS_UNITS = {"rad/s": 1.0, "deg/s": _DEGREE, "deg/h": _DEGREE / 3600}
+ACCEL_BIAS_UNITS = {
+    "m/s2": 1.0,
+    "g": _STANDARD_GRAVITY,
+    "mg": _STANDARD_GRAVITY * 1e-3,
+    "ug": _STANDARD_GRAVITY * 1e-6,
+}
+ANGLE_UNITS = {
+    "rad": 1.0,
+    "mrad": 1e-3,
+    "deg": _DEGREE,
+    "arcmin": _DEGREE / 60,
+    "arcsec": _DEGREE / 3600,
+}
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 class Samples(NamedTuple):
     """Consecutive samples of a recording.
 
     `values` is (N, 6): gyro x, y, z, accelerometer x, y, z, in the recording's units.  `faults` is
-    (N,) of 0 and 1, or None.
+    (N,) of 0 and 1, or None.  `times` is (N,), seconds since the recording's first stamp, or None.
     """
 
     values: NDArray[np.float64]
     faults: NDArray[np.uint8] | None = None
+    times: NDArray[np.float64] | None = None
+
+
+class Clock:
+    """Stamps of a file's own clock to seconds since its first one.
+
+    Whole numbers (nanoseconds since 1970 have 19 digits) are subtracted before they become floats,
+    so no digit is lost.
+
+    Args:
+        unit: what the stamps count, of `TIME_UNITS`.
+
+    Attributes:
+        unit: the same.
+        origin: the first stamp, s; 0 before there is one.
+    """
+
+    def __init__(self, unit: str) -> None:
+        self.unit = unit
+        self.origin = 0.0
+        self._first: np.int64 | np.float64 | None = None
+
+    def __call__(self, stamps: NDArray[np.int64] | NDArray[np.float64]) -> NDArray[np.float64]:
+        """Seconds since the first stamp of all, (N,)."""
+        seconds = TIME_UNITS[self.unit]
+        if self._first is None:
+            self._first = stamps[0]
+            self.origin = float(stamps[0]) * seconds
+        since: NDArray[np.float64] = (stamps - self._first) * seconds
+        return since
 
 
 @dataclass(frozen=True)
@@ -81,6 +128,7 @@ class Recording:
         gyro, accel: units of the values.
         chunks: the samples, in order; raises InputError where the file is at fault.
         has_faults: the file has a fault column.
+        clock: of the stamps; None where there are none.
         notes: what the file says that is worth telling, by topic; complete once all samples have
             been drawn.
     """
@@ -89,4 +137,5 @@ class Recording:
     accel: Unit
     chunks: Iterator[Samples]
     has_faults: bool = False
+    clock: Clock | None = None
     notes: Mapping[str, str] = field(default_factory=dict)

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.readers import Advance, Recording, Samples, Unit
-from sculler.readers.timing import TimeCheck
+from sculler.readers import Advance, Clock, Recording, Samples, Unit
 from sculler_model.errors import InputError
 
 _CHUNK_ROWS = 1 << 16
@@ -25,7 +24,7 @@ def read_mat(
     time: int | None,
     gyro: Unit,
     accel: Unit,
-    time_check: TimeCheck,
+    time_unit: str,
     advance: Advance,
 ) -> Recording:
     """A variable of a MAT file.
@@ -36,7 +35,7 @@ def read_mat(
         columns: six column numbers (from 1), gyro x, y, z, accelerometer x, y, z.
         time: number of the time column, or None.
         gyro, accel: the units.
-        time_check: checks the time column.
+        time_unit: of the time column, of `TIME_UNITS`.
         advance: told the bytes read: the whole file, once it is loaded.
 
     Raises:
@@ -44,33 +43,45 @@ def read_mat(
             matrix.
     """
     matrix = _matrix(path, variable)
-    for column in (*columns, *([] if time is None else [time])):
+    wanted = [*columns, *([] if time is None else [time])]
+    for column in wanted:
         if not 1 <= column <= matrix.shape[1]:
             raise InputError(
                 f"{path}: {variable} has columns 1 to {matrix.shape[1]}, not {column}; give"
                 " --gyro-columns and --accel-columns"
             )
     advance(path.stat().st_size)
+    clock = None if time is None else Clock(time_unit)
     notes = {"columns": f"{variable}: " + ", ".join(map(str, columns))}
-    places = [column - 1 for column in columns]
+    if time is not None:
+        notes["time stamps"] = f"column {time}, {time_unit}"
 
     def chunks() -> Iterator[Samples]:
         for first in range(0, len(matrix), _CHUNK_ROWS):
-            part = matrix[first : first + _CHUNK_ROWS]
-            values = part[:, places]
-            if not np.isfinite(values).all():
-                row, at = (int(i) for i in np.argwhere(~np.isfinite(values))[0])
+            part = matrix[first : first + _CHUNK_ROWS, [column - 1 for column in wanted]]
+            if not np.isfinite(part).all():
+                row, at = (int(i) for i in np.argwhere(~np.isfinite(part))[0])
                 raise InputError(
-                    f"{path}: {variable}({first + row + 1}, {columns[at]}) is"
-                    f" {values[row, at]}, give a finite number"
+                    f"{path}: {variable}({first + row + 1}, {wanted[at]}) is"
+                    f" {part[row, at]}, give a finite number"
                 )
-            if time is not None:
-                time_check(part[:, time - 1])
-            yield Samples(values)
-        if time is not None:
-            notes["time"] = time_check.note()
+            times = None if clock is None else clock(part[:, len(columns)])
+            yield Samples(part[:, : len(columns)], times=times)
 
-    return Recording(gyro, accel, chunks(), notes=notes)
+    return Recording(gyro, accel, chunks(), clock=clock, notes=notes)
+
+
+def mat_vector(path: Path, variable: str) -> tuple[float, float, float]:
+    """A vector of three numbers of a MAT file.
+
+    Raises:
+        InputError: as `read_mat`, or the variable is no such vector.
+    """
+    matrix = _matrix(path, variable)
+    if matrix.size != 3 or not np.isfinite(matrix).all():
+        raise InputError(f"{path}: {variable} is not a vector of three finite numbers")
+    x, y, z = matrix.ravel().tolist()
+    return x, y, z
 
 
 def _matrix(path: Path, variable: str | None) -> NDArray[np.float64]:

@@ -45,8 +45,8 @@ def read_psins(path: Path, design: Design, advance: Advance) -> Recording:
         with open_text(path) as file:
             for _ in range(lines):
                 file.readline()
-            for values in number_rows(file, path, lines + 1, columns, None, advance):
-                yield Samples(values)
+            for rows in number_rows(file, path, lines + 1, columns, None, advance):
+                yield Samples(rows.values)
 
     return Recording(
         Unit(f"{scales[0]:g} arcsec", scales[0] * _ARCSECOND, "increment"),

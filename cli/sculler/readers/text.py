@@ -25,6 +25,13 @@ class Column(NamedTuple):
     place: int
 
 
+class Rows(NamedTuple):
+    """Consecutive rows: (N, columns) numbers and (N, whole columns) whole numbers."""
+
+    values: NDArray[np.float64]
+    whole: NDArray[np.int64]
+
+
 @contextmanager
 def open_text(path: Path) -> Iterator[TextIO]:
     """A text file in UTF-8.
@@ -50,8 +57,9 @@ def number_rows(
     columns: Sequence[Column],
     delimiter: str | None,
     advance: Advance,
-) -> Iterator[NDArray[np.float64]]:
-    """The given columns of the rest of a file, (N, len(columns)), chunk by chunk.
+    whole: Sequence[Column] = (),
+) -> Iterator[Rows]:
+    """The given columns of the rest of a file, chunk by chunk.
 
     Args:
         file: open where the first row begins.
@@ -59,12 +67,14 @@ def number_rows(
         columns: which to read.
         delimiter: between values; None for any white space.
         advance: told the characters read.
+        whole: columns to read as whole numbers, no digit lost.
 
     Raises:
-        InputError: a row is too short, a value is no finite number, the last line is cut short, or
-            there is no row.
+        InputError: a row is too short, a value is no finite (or whole) number, the last line is cut
+            short, or there is no row.
     """
-    places = [column.place for column in columns]
+    places = [column.place for column in (*columns, *whole)]
+    kinds = np.dtype([("values", np.float64, (len(columns),)), ("whole", np.int64, (len(whole),))])
     line, rows = first_line, 0
     while lines := list(islice(file, _CHUNK_ROWS)):
         advance(sum(map(len, lines)))
@@ -75,28 +85,34 @@ def number_rows(
             )
         if any(not text.isspace() for text in lines):
             try:
-                values = np.loadtxt(
+                table = np.loadtxt(
                     lines,
+                    dtype=kinds,
                     delimiter=delimiter,
                     usecols=places,
-                    ndmin=2,
+                    ndmin=1,
                     comments=None,
                     quotechar='"',
                 )
-            except ValueError as error:
-                _explain(lines, path, line, columns, delimiter)
+            except (ValueError, OverflowError) as error:
+                _explain(lines, path, line, columns, whole, delimiter)
                 raise InputError(f"{path}: from line {line} on: {error}") from error
-            if not np.isfinite(values).all():
-                _explain(lines, path, line, columns, delimiter)
-            rows += len(values)
-            yield values
+            if not np.isfinite(table["values"]).all():
+                _explain(lines, path, line, columns, whole, delimiter)
+            rows += len(table)
+            yield Rows(table["values"], table["whole"])
         line += len(lines)
     if not rows:
         raise InputError(f"{path}: the log has no samples, give some")
 
 
 def _explain(
-    lines: list[str], path: Path, first: int, columns: Sequence[Column], delimiter: str | None
+    lines: list[str],
+    path: Path,
+    first: int,
+    columns: Sequence[Column],
+    whole: Sequence[Column],
+    delimiter: str | None,
 ) -> None:
     """Find the first faulty value and say what it is.
 
@@ -107,7 +123,7 @@ def _explain(
         if line.isspace():
             continue
         cells = line.split(delimiter)
-        for column in columns:
+        for column in (*columns, *whole):
             where = f"{path}: line {number}: {column.name}"
             if column.place >= len(cells):
                 raise InputError(
@@ -115,10 +131,20 @@ def _explain(
                     f" {len(cells)} values; is it cut short?"
                 )
             cell = cells[column.place].strip().strip('"')
-            try:
-                good = isfinite(float(cell))
-            except ValueError:
-                good = False
+            good = _is_whole(cell) if column in whole else _is_finite(cell)
             if not good:
                 shown = repr(cell[:40]) if cell else "empty"
-                raise InputError(f"{where} is {shown}, give a finite number")
+                wanted = "whole" if column in whole else "finite"
+                raise InputError(f"{where} is {shown}, give a {wanted} number")
+
+
+def _is_finite(cell: str) -> bool:
+    try:
+        return isfinite(float(cell))
+    except ValueError:
+        return False
+
+
+def _is_whole(cell: str) -> bool:
+    digits = cell.lstrip("+-")
+    return digits.isascii() and digits.isdecimal() and len(digits) <= 19 and abs(int(cell)) < 2**63

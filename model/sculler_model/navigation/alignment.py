@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.earth import EARTH_RATE, gravity
-from sculler_model.navigation.navigator import NavState
 from sculler_model.navigation.rotation import (
     Quaternion,
     Vector,
@@ -21,6 +20,7 @@ from sculler_model.navigation.rotation import (
     rotate,
     to_euler,
 )
+from sculler_model.navigation.state import NavState
 
 Array = NDArray[np.float64]
 
@@ -181,6 +181,31 @@ def _warnings(found: Alignment, lat: float) -> tuple[str, ...]:
             " are not good enough to find north by"
         )
     return tuple(warnings)
+
+
+def attitudes_at_rest(
+    increments: MajorIncrements, interval: float, lat: float, found: Alignment
+) -> tuple[tuple[Array, Array, Array, Array], Quaternion]:
+    """An alignment's q_nb all through its window, as the gyros carry it.
+
+    Args:
+        increments, interval, lat: as `align` had them.
+        found: the alignment.
+
+    Returns:
+        q_nb at the beginning of every interval, in north-east-down of its MIDDLE, so that it takes
+        ΔV_SF to the force over the interval (four arrays); and q_nb at the window's end.
+    """
+    chain, end = _chain(increments)
+    count = len(increments)
+    half = -0.5 * EARTH_RATE * count * interval
+    back: Quaternion = (cos(half), cos(lat) * sin(half), 0.0, -sin(lat) * sin(half))
+    start = product(conjugate(back), product(found.q, conjugate(end)))
+    w, x, y, z = start
+    one = np.ones(count)
+    times = (np.arange(count, dtype=np.float64) + 0.5) * interval
+    swing = conjugate(_earth_turn(lat, times))
+    return product(swing, product((w * one, x * one, y * one, z * one), chain)), found.q
 
 
 def _chain(increments: MajorIncrements) -> tuple[tuple[Array, Array, Array, Array], Quaternion]:

@@ -6,255 +6,278 @@ geodetic position on WGS-84; q_nb takes body components to navigation components
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from math import cos, isfinite, pi, sin, sqrt
-from typing import NamedTuple, Protocol
+from math import isfinite
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.earth import earth_rate, gravity, transport_rate
-from sculler_model.navigation.rotation import (
-    Quaternion,
-    Vector,
-    cross,
-    euler_angles,
-    from_rotation_vector,
-    product,
-    rotate,
+from sculler_model.navigation.compiled import compiled_run
+from sculler_model.navigation.earth import GRAVITY_EQUATOR, SEMI_MAJOR_AXIS
+from sculler_model.navigation.rotation import Real, Vector, to_dcm
+from sculler_model.navigation.state import (
+    MAX_HEIGHT,
+    MIN_HEIGHT,
+    NavHistory,
+    NavState,
+    check_state,
+)
+from sculler_model.navigation.wander import (
+    NOT_YET,
+    Level,
+    Settings,
+    geographic,
+    level,
+    position,
+    step,
+    with_past,
 )
 
-MIN_HEIGHT, MAX_HEIGHT = -10e3, 1000e3
-"""Heights (m) for which the gravity formula is meant."""
+__all__ = [
+    "HeightDamping",
+    "Mechanisation",
+    "NavHistory",
+    "NavState",
+    "Navigator",
+    "navigate",
+    "trajectory",
+]
 
+Array = NDArray[np.float64]
 
-class NavState(NamedTuple):
-    """Where the body is at one instant.
-
-    Attributes:
-        time: s.
-        q: q_nb (w, x, y, z), body to north-east-down.
-        v: velocity over the Earth (m/s) north, east, down.
-        lat, lon: geodetic, rad; lon in -pi..pi.
-        h: height above the ellipsoid, m.
-    """
-
-    time: float
-    q: Quaternion
-    v: Vector
-    lat: float
-    lon: float
-    h: float
+WORTH_COMPILING = 10_000
+"""Major intervals that take Python longer than Numba takes to be loaded."""
 
 
 class Mechanisation(Protocol):
     """Anything that carries a `NavState` over major intervals.
 
-    `Navigator` is the geographic one; `navigate` and `trajectory` take any other.
+    `Navigator` is the wander azimuth, `GeographicNavigator` points north; `navigate` and
+    `trajectory` take any other.
     """
 
     @property
     def state(self) -> NavState:
-        """The state at the end of the last update."""
+        """The state at the end of the last major interval."""
 
-    def update(self, phi: Vector, dv_sf: Vector) -> NavState:
-        """Carry the state over one major interval; the state at its end."""
+    def run(self, increments: MajorIncrements) -> NavHistory:
+        """Carry the state over consecutive major intervals; the states at their ends."""
+
+
+@dataclass(frozen=True)
+class HeightDamping:
+    """A third-order loop that holds the unstable vertical channel to a known height.
+
+    With e the height less the reference: ḣ gets -k1 e, the acceleration upward -k2 e - k3 ∫e dt,
+    where k1 = 3/τ, k2 = 3/τ² + 2g/R, k3 = 1/τ³ put all three poles at -1/τ.  A constant
+    accelerometer error is absorbed by the integral and leaves no height error behind.
+
+    Attributes:
+        reference: height above the ellipsoid, m, as a barometer or the terrain gives it.
+        seconds: τ; many major intervals long, usually a minute or more.
+
+    Raises:
+        InputError: the time is not > 0, or a number is not finite.
+    """
+
+    reference: float
+    seconds: float = 100.0
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.seconds) and self.seconds > 0):
+            raise InputError(
+                f"height damping: time constant {self.seconds} s is not allowed, give a number > 0"
+            )
+        if not MIN_HEIGHT <= self.reference <= MAX_HEIGHT:
+            raise InputError(
+                f"height damping: reference {self.reference:.6g} m is not allowed, give"
+                f" {MIN_HEIGHT:.0f} m to {MAX_HEIGHT:.0f} m above the ellipsoid"
+            )
+
+    @property
+    def gains(self) -> tuple[float, float, float, float]:
+        """k1 (1/s), k2 (1/s²), k3 (1/s³), and the reference (m)."""
+        rate = 1 / self.seconds
+        instability = 2 * GRAVITY_EQUATOR / SEMI_MAJOR_AXIS
+        return 3 * rate, 3 * rate**2 + instability, rate**3, self.reference
 
 
 class Navigator:
-    """Geographic mechanisation: north-pointing local level, trapezoidal position.
+    """Wander-azimuth mechanisation after Savage-98 Table 1; works anywhere, the poles included.
 
-    Each update follows the order of Savage-98 Table 1: velocity with gravity and Coriolis at the
-    extrapolated middle of the interval (Savage-98 Eq. 7-8; Yang Eq. 16-20), then position by the
-    trapezoid, then attitude with the local level's rotation from the new velocity and position.
+    One result at a time with `update` (real time: tens of microseconds), or whole arrays with
+    `run`, which is compiled where Numba is installed.  Both are the arithmetic of
+    `wander.step`, in the same order, and may be mixed.
 
     Args:
-        state: at the start of the first interval.
+        state: at the start of the first interval; its wander angle is kept.
         interval: length of a major interval, s.
+        position_every: j: position, gravity, Earth rate and curvature are worked out every j-th
+            interval and extrapolated in between (Savage-98 Eq. 9, 19).
+        height_damping: a loop that holds the height; none if left out.
 
     Raises:
-        InputError: the state is not one to navigate from (see `check_state`).
+        InputError: the state is not one to navigate from (see `check_state`), or an argument is
+            out of its range.
     """
 
-    def __init__(self, state: NavState, interval: float) -> None:
+    def __init__(
+        self,
+        state: NavState,
+        interval: float,
+        *,
+        position_every: int = 1,
+        height_damping: HeightDamping | None = None,
+    ) -> None:
         check_state(state)
         if not (isfinite(interval) and interval > 0):
             raise InputError(f"interval: {interval} s is not allowed, give a number > 0")
-        self._start, self._updates, self._interval = state.time, 0, interval
-        self._state = self._past = state
+        if position_every < 1:
+            raise InputError(
+                f"position every {position_every} intervals is not allowed, give 1 or more"
+            )
+        if height_damping and height_damping.seconds < 10 * interval:
+            raise InputError(
+                f"height damping: time constant {height_damping.seconds:g} s is too short for"
+                f" intervals of {interval:g} s, give at least {10 * interval:g} s"
+            )
+        damping = height_damping.gains if height_damping else (0.0, 0.0, 0.0, 0.0)
+        self._plain = Settings(interval, int(position_every), False, damping)
+        self._high_resolution = self._plain._replace(high_resolution=True)
+        self._start, self._updates = state.time, 0
+        self._level = level(state.q, state.v, state.lat, state.lon, state.h, state.wander)
+        self._state: NavState | None = state
 
     @property
     def state(self) -> NavState:
-        """The state at the end of the last update."""
+        """The state at the end of the last major interval."""
+        if self._state is None:
+            self._state = NavState(self._times(self._updates), *geographic(self._level))
         return self._state
 
-    def update(self, phi: Vector, dv_sf: Vector) -> NavState:
+    @property
+    def position_dcm(self) -> tuple[Vector, Vector, Vector]:
+        """Rows of C_ew at the end of the last major interval (Savage-98 Eq. 68, his C_N^E).
+
+        It takes components in the wander-azimuth frame w (x at the wander angle from north, z
+        down) to the Earth's (x through latitude and longitude 0, z through the north pole).
+        """
+        return to_dcm(position(self._level)[0])
+
+    def update(self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None = None) -> NavState:
         """Carry the state over one major interval.
 
         Args:
             phi: rotation vector of the body over the interval, against inertial space, rad.
-            dv_sf: integral of the specific force (m/s) in the body frame at the interval's start.
+            dv_sf: ΔV_SF, integral of the specific force (m/s) in the body frame at the START of
+                the interval, held fixed in inertial space.
+            dr_sf: ΔR_SF, the running integral of that over the interval (m), same frame: the
+                position is then of high resolution (see `high_resolution.displacement`).
+                Without it the velocity is integrated by the trapezoid.
 
         Returns:
             The state at the interval's end.
 
         Raises:
-            InputError: the track has reached a pole, where north and longitude end.
+            InputError: a number is not finite, or the height has run away.
         """
-        T = self._interval
-        past, old = self._past, self._state
-
-        # velocity: values at the middle, extrapolated from the past
-        v_mid: Vector = (
-            1.5 * old.v[0] - 0.5 * past.v[0],
-            1.5 * old.v[1] - 0.5 * past.v[1],
-            1.5 * old.v[2] - 0.5 * past.v[2],
-        )
-        lat_mid, h_mid = 1.5 * old.lat - 0.5 * past.lat, 1.5 * old.h - 0.5 * past.h
-        sin_mid, cos_mid = sin(lat_mid), cos(lat_mid)
-        ie_n, ie_e, ie_d = earth_rate(sin_mid, cos_mid)
-        en_n, en_e, en_d = transport_rate(sin_mid, cos_mid, h_mid, v_mid)
-        half_zeta = (0.5 * T * (ie_n + en_n), 0.5 * T * (ie_e + en_e), 0.5 * T * (ie_d + en_d))
-
-        dv_n, dv_e, dv_d = dv = rotate(old.q, dv_sf)
-        turn_n, turn_e, turn_d = cross(half_zeta, dv)  # (I - ½ζ×) C_nb ΔV_SF
-        coriolis = cross((2 * ie_n + en_n, 2 * ie_e + en_e, 2 * ie_d + en_d), v_mid)
-        v: Vector = (
-            old.v[0] + dv_n - turn_n - T * coriolis[0],
-            old.v[1] + dv_e - turn_e - T * coriolis[1],
-            old.v[2] + dv_d - turn_d - T * coriolis[2] + T * gravity(sin_mid, h_mid),
-        )
-
-        # position: trapezoid, the curvature taken at its middle
-        v_mean: Vector = (0.5 * (old.v[0] + v[0]), 0.5 * (old.v[1] + v[1]), 0.5 * (old.v[2] + v[2]))
-        h = old.h - T * v_mean[2]
-        h_mid = 0.5 * (old.h + h)
-        _, en_e, _ = transport_rate(sin_mid, cos_mid, h_mid, v_mean)
-        lat = old.lat - T * en_e
-        lat_mid = 0.5 * (old.lat + lat)
-        sin_mid, cos_mid = sin(lat_mid), cos(lat_mid)
-        en_n, en_e, en_d = transport_rate(sin_mid, cos_mid, h_mid, v_mean)
-        lon = old.lon + T * en_n / cos_mid
-        if not abs(lat) < pi / 2 or abs(lon - old.lon) > 1:
-            raise InputError(
-                f"time {old.time:.3f} s: the track has reached a pole, where the north-pointing"
-                " navigator cannot follow; keep the track away from the poles"
-            )
-
-        # attitude: q_nb(new) = q(-ζ) q_nb(old) q(φ)
-        ie_n, ie_e, ie_d = earth_rate(sin_mid, cos_mid)
-        minus_zeta = (-T * (ie_n + en_n), -T * (ie_e + en_e), -T * (ie_d + en_d))
-        q = product(old.q, from_rotation_vector(phi))
-        q = normalised(product(from_rotation_vector(minus_zeta), q))
-
+        if not isfinite(sum(phi) + sum(dv_sf) + (sum(dr_sf) if dr_sf else 0.0)):
+            raise self._not_finite()
+        settings, dr = (self._high_resolution, dr_sf) if dr_sf else (self._plain, NOT_YET)
+        self._see_to_the_past(settings, phi, dv_sf, dr)
+        self._level = step(self._level, settings, phi, dv_sf, dr)
         self._updates += 1
-        time = self._start + self._updates * T
-        self._past, self._state = old, NavState(time, q, v, lat, _wrapped(lon), h)
-        return self._state
+        self._state = None
+        if not MIN_HEIGHT <= self.state.h <= MAX_HEIGHT:
+            raise self._run_away(self.state.h)
+        return self.state
 
+    def run(
+        self,
+        increments: MajorIncrements,
+        dr_sf: Array | None = None,
+        *,
+        compiled: bool | None = None,
+    ) -> NavHistory:
+        """Carry the state over consecutive major intervals.
 
-def normalised(q: Quaternion) -> Quaternion:
-    """q brought back to length 1 from a rounding error away."""
-    w, x, y, z = q
-    scale = 1.5 - 0.5 * (w * w + x * x + y * y + z * z)
-    return (w * scale, x * scale, y * scale, z * scale)
+        Args:
+            increments: φ and ΔV_SF of R intervals, as for `update`.
+            dr_sf: (R, 3) ΔR_SF, as for `update`.
+            compiled: whether to go through Numba; if left out, where it is installed and there
+                are `WORTH_COMPILING` intervals up to now.
 
-
-def _wrapped(lon: float) -> float:
-    if lon > pi:
-        return lon - 2 * pi
-    return lon + 2 * pi if lon < -pi else lon
-
-
-def check_state(state: NavState) -> None:
-    """Refuse a state that cannot be navigated from.
-
-    Raises:
-        InputError: a number is not finite, the latitude is not below ±90° (longitude and north
-            end there), the longitude is outside ±180°, the height is outside
-            `MIN_HEIGHT`..`MAX_HEIGHT`, or the quaternion is not of length 1 (to 1e-6).
-    """
-    numbers = (state.time, *state.q, *state.v, state.lat, state.lon, state.h)
-    if not all(isfinite(number) for number in numbers):
-        raise InputError(f"initial state: a value is not finite in {state}, give numbers")
-    if not abs(state.lat) < pi / 2:
-        raise InputError(
-            f"initial state: latitude {state.lat * 180 / pi:.6g}° is not allowed, give one between"
-            " -90° and 90°, the poles left out"
-        )
-    if abs(state.lon) > pi:
-        raise InputError(
-            f"initial state: longitude {state.lon * 180 / pi:.6g}° is not allowed, give one from"
-            " -180° to 180°"
-        )
-    if not MIN_HEIGHT <= state.h <= MAX_HEIGHT:
-        raise InputError(
-            f"initial state: height {state.h:.6g} m is not allowed, give one from"
-            f" {MIN_HEIGHT:.0f} m to {MAX_HEIGHT:.0f} m above the ellipsoid"
-        )
-    length = sqrt(sum(c * c for c in state.q))
-    if abs(length - 1) > 1e-6:
-        raise InputError(f"initial state: the quaternion has length {length:.6g}, give length 1")
-
-
-@dataclass(frozen=True)
-class NavHistory:
-    """States at many instants, as arrays (see `NavState` for frames and units).
-
-    Attributes:
-        time: (N,) s.
-        q: (N, 4) body to north-east-down, scalar first.
-        v: (N, 3) m/s north, east, down.
-        lat, lon: (N,) rad.
-        h: (N,) m.
-    """
-
-    time: NDArray[np.float64]
-    q: NDArray[np.float64]
-    v: NDArray[np.float64]
-    lat: NDArray[np.float64]
-    lon: NDArray[np.float64]
-    h: NDArray[np.float64]
-
-    @classmethod
-    def from_states(cls, states: Sequence[NavState]) -> NavHistory:
-        """Collect states."""
-        flat = np.array([(s.time, *s.q, *s.v, s.lat, s.lon, s.h) for s in states]).reshape(-1, 11)
-        return cls(flat[:, 0], flat[:, 1:5], flat[:, 5:8], *flat[:, 8:].T)
-
-    @classmethod
-    def concatenate(cls, parts: Sequence[NavHistory]) -> NavHistory:
-        """Join in order.
+        Returns:
+            The states at the R interval ends.
 
         Raises:
-            ValueError: there is no part.
+            InputError: an increment is not finite or missing, the height has run away, or
+                `compiled` is asked for without Numba.
         """
-        fields = ("time", "q", "v", "lat", "lon", "h")
-        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in fields))
+        arrays = [increments.phi, increments.dv_sf]
+        if dr_sf is not None:
+            arrays.append(dr_sf)
+        if not all(np.isfinite(array).all() for array in arrays):
+            raise self._not_finite()
+        if any(array.shape != (len(increments), 3) for array in arrays):
+            shapes = ", ".join(str(array.shape) for array in arrays)
+            raise InputError(f"increments: shapes {shapes} differ, give (R, 3) each")
+        worth = self._updates + len(increments) >= WORTH_COMPILING
+        fast = compiled_run() if compiled or (compiled is None and worth) else None
+        if compiled and fast is None:
+            raise InputError("compiled navigation needs Numba: install sculler[fast]")
+        if fast is None or not len(increments):
+            rows = zip(*(map(tuple, array.tolist()) for array in arrays), strict=True)
+            return NavHistory.from_states([self.update(*row) for row in rows])
 
-    def __len__(self) -> int:
-        return len(self.time)
+        settings = self._plain if dr_sf is None else self._high_resolution
+        phi, dv, *more = (np.ascontiguousarray(array, np.float64) for array in arrays)
+        dr = more[0] if more else np.zeros((0, 3))
+        self._see_to_the_past(settings, *map(_first, (phi, dv, dr)))
+        table = np.empty((len(phi), 11))
+        self._level, done = fast(self._level, settings, phi, dv, dr, table)
+        times = self._times(self._updates + np.arange(1.0, len(phi) + 1))
+        self._updates += len(phi)
+        self._state = None
+        if done < len(phi):
+            self._updates += done + 1 - len(phi)
+            raise self._run_away(self.state.h)
+        return NavHistory.from_table(times, table)
 
-    def state(self, row: int) -> NavState:
-        """The state of one row."""
-        w, x, y, z = self.q[row].tolist()
-        north, east, down = self.v[row].tolist()
-        return NavState(
-            float(self.time[row]),
-            (w, x, y, z),
-            (north, east, down),
-            float(self.lat[row]),
-            float(self.lon[row]),
-            float(self.h[row]),
+    def _times(self, updates: Real) -> Real:
+        """Time (s) after so many major intervals."""
+        return self._start + updates * self._plain.interval
+
+    def _see_to_the_past(
+        self, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vector
+    ) -> None:
+        """Before the first interval: the past that the extrapolations need."""
+        if not self._updates:
+            after: Level = step(self._level, settings, phi, dv_sf, dr_sf)
+            self._level = with_past(self._level, after, settings)
+
+    def _not_finite(self) -> InputError:
+        return InputError(
+            f"after {self.state.time:.3f} s: an increment is not finite, mend the vectors"
         )
 
-    @property
-    def euler(self) -> NDArray[np.float64]:
-        """(N, 3) roll, pitch, heading, rad."""
-        return euler_angles(self.q)
+    def _run_away(self, h: float) -> InputError:
+        return InputError(
+            f"time {self.state.time:.3f} s: the height has run away to {h:.4g} m, as a free"
+            " vertical channel does, damp it or navigate for a shorter time"
+        )
+
+
+def _first(vectors: Array) -> Vector:
+    """The first of (R, 3); zeros if there is none."""
+    if not len(vectors):
+        return NOT_YET
+    x, y, z = vectors[0].tolist()
+    return (x, y, z)
 
 
 def trajectory(
@@ -273,12 +296,7 @@ def trajectory(
                 f"after {mechanisation.state.time:.3f} s: an increment is not finite, mend the"
                 " vectors"
             )
-        yield NavHistory.from_states(
-            [
-                mechanisation.update(tuple(phi), tuple(dv_sf))
-                for phi, dv_sf in zip(block.phi.tolist(), block.dv_sf.tolist(), strict=True)
-            ]
-        )
+        yield mechanisation.run(block)
 
 
 def navigate(

@@ -31,6 +31,13 @@ def cross(a: tuple[Real, Real, Real], b: tuple[Real, Real, Real]) -> tuple[Real,
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
+def plus(
+    a: tuple[Real, Real, Real], b: tuple[Real, Real, Real], factor: float
+) -> tuple[Real, Real, Real]:
+    """a + factor b."""
+    return (a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2])
+
+
 def product(
     p: tuple[Real, Real, Real, Real], q: tuple[Real, Real, Real, Real]
 ) -> tuple[Real, Real, Real, Real]:
@@ -60,6 +67,22 @@ def rotate(q: tuple[Real, Real, Real, Real], v: tuple[Real, Real, Real]) -> tupl
         v[1] + w * ty + z * tx - x * tz,
         v[2] + w * tz + x * ty - y * tx,
     )
+
+
+def normalised(q: Quaternion) -> Quaternion:
+    """q brought back to length 1 from a rounding error away.
+
+    A length of 1 + ε becomes 1 - 3/2 ε², so however often it is done the length stays within the
+    rounding of the last time: it cannot drift.
+    """
+    w, x, y, z = q
+    scale = 1.5 - 0.5 * (w * w + x * x + y * y + z * z)
+    return (w * scale, x * scale, y * scale, z * scale)
+
+
+def about_z(angle: float) -> Quaternion:
+    """Quaternion of a turn about z (rad)."""
+    return (cos(0.5 * angle), 0.0, 0.0, sin(0.5 * angle))
 
 
 def from_rotation_vector(phi: Vector) -> Quaternion:

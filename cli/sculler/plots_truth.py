@@ -1,0 +1,159 @@
+"""Pictures of a run against its truth, in the style of `sculler.plots`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler.against_truth import MILES_PER_HOUR, NAMES, UNITS
+from sculler.plots import (
+    BLUE,
+    GREEN,
+    GREY,
+    VERMILION,
+    from_above,
+    legend,
+    new_figure,
+    time_scale,
+)
+from sculler.terminal import three_digits
+from sculler_model.navigation import NavHistory
+from sculler_model.navigation_errors import NAUTICAL_MILE, NavErrors
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+SCHULER_PERIOD = 84.4 * 60
+"""s; of a pendulum as long as the Earth's radius."""
+
+
+def truth_pictures(
+    estimate: NavHistory, truth: NavHistory, errors: NavErrors, growth: float, output: Path
+) -> list[Path]:
+    """Errors over time, growth of the horizontal error, and tracks, beside the CSV `output`.
+
+    Args:
+        estimate, truth: states at the same instants.
+        errors: of the one against the other.
+        growth: of the horizontal error, m/s.
+        output: names the pictures.
+    """
+    names = ("errors", "growth", "track")
+    paths = [output.with_name(f"{output.stem}_{name}.png") for name in names]
+    _errors(paths[0], errors)
+    _growth(paths[1], errors, growth)
+    _tracks(paths[2], estimate, truth, errors)
+    return paths
+
+
+SMALLER = {
+    "arcsec": ("arcsec", "mas", "µas", "nas"),
+    "m/s": ("m/s", "mm/s", "µm/s", "nm/s"),
+    "m": ("m", "mm", "µm", "nm"),
+}
+"""Units, each a thousandth of the one before."""
+
+
+def fitting(unit: str, *values: Array) -> tuple[float, str]:
+    """How many of which unit one `unit` is, so that the largest value has digits to read."""
+    largest = max(float(np.abs(series).max()) for series in values)
+    step = 0
+    while 0 < largest * 1000**step < 0.2 and step < len(SMALLER[unit]) - 1:
+        step += 1
+    return float(1000**step), SMALLER[unit][step]
+
+
+def _errors(path: Path, errors: NavErrors) -> None:
+    """Level components on the left; heading and the vertical, which runs its own way, right."""
+    scale, unit = time_scale(errors.time)
+    t = errors.time / scale
+    with new_figure(path, 12, 9) as figure:
+        grid: Any = figure.subplots(3, 2, sharex=True)
+        for panels, (quantity, (of, size, _)) in zip(grid, UNITS.items(), strict=True):
+            north, east, down = (size * getattr(errors, quantity)).T
+            level, vertical = panels
+            names = NAMES[quantity]
+            factor, shown = fitting(of, north, east)
+            level.plot(t, factor * north, color=BLUE, label=names[0])
+            level.plot(t, factor * east, color=VERMILION, label=names[1])
+            level.set(title=f"{quantity.capitalize()} error", ylabel=shown, xlim=(t[0], t[-1]))
+            factor, shown = fitting(of, down)
+            vertical.plot(t, factor * down, color=GREEN, label=names[2])
+            vertical.set_ylabel(shown)
+            for axes in panels:
+                legend(axes)
+                _mark_schuler(axes, errors.time, scale)
+        for axes in grid[-1]:
+            axes.set_xlabel(_time_label(errors.time, unit))
+
+
+def _growth(path: Path, errors: NavErrors, growth: float) -> None:
+    scale, unit = time_scale(errors.time)
+    t = errors.time / scale
+    factor, shown = fitting("m", errors.horizontal)
+    with new_figure(path, 9, 5.5) as figure:
+        axes = figure.subplots()
+        line = growth * (errors.time - errors.time[0])
+        rate = f"{three_digits(growth * MILES_PER_HOUR)} nautical miles an hour"
+        axes.plot(t, factor * errors.horizontal, color=BLUE, label="horizontal error")
+        axes.plot(t, factor * line, color=VERMILION, ls="--", label=rate)
+        axes.set(title="Horizontal error", ylabel=shown, xlim=(t[0], t[-1]))
+        axes.set_xlabel(_time_label(errors.time, unit))
+        axes.set_ylim(bottom=0)
+        legend(axes)
+        _mark_schuler(axes, errors.time, scale)
+        if float(errors.horizontal.max()) > 0.01 * NAUTICAL_MILE:
+            miles = axes.secondary_yaxis("right", functions=(_to_miles, _to_metres))
+            miles.set_ylabel("nautical miles")
+            miles.spines["right"].set_visible(True)
+
+
+def _to_miles(metres: Any) -> Any:
+    return metres / NAUTICAL_MILE
+
+
+def _to_metres(miles: Any) -> Any:
+    return miles * NAUTICAL_MILE
+
+
+def _mark_schuler(axes: Axes, time: Array, scale: float) -> None:
+    """A line after every Schuler period since the start."""
+    for count in range(1, 1 + _periods(time)):
+        x = (float(time[0]) + count * SCHULER_PERIOD) / scale
+        axes.axvline(x, color=GREY, ls=":", lw=1)
+
+
+def _periods(time: Array) -> int:
+    return int(float(time[-1] - time[0]) / SCHULER_PERIOD)
+
+
+def _time_label(time: Array, unit: str) -> str:
+    """For the time axis, which says what the lines across it are."""
+    return f"time ({unit})" + (", dotted: Schuler periods of 84.4 min" if _periods(time) else "")
+
+
+def _tracks(path: Path, estimate: NavHistory, truth: NavHistory, errors: NavErrors) -> None:
+    with new_figure(path, 12, 6) as figure:
+        track, gap = figure.subplots(1, 2)
+        true, believed = from_above(truth, truth), from_above(estimate, truth)
+        extent = max(float(np.ptp(c)) for c in (*true, *believed))
+        scale, unit = (1000.0, "km") if extent > 5000 else (1.0, "m")
+        track.plot(true[1] / scale, true[0] / scale, color="#bbbbbb", lw=5, label="truth")
+        track.plot(believed[1] / scale, believed[0] / scale, color=BLUE, label="navigated")
+        track.plot(0, 0, "o", color="black", label="start")
+        track.set(title="Ground track", xlabel=f"east ({unit})", ylabel=f"north ({unit})")
+
+        factor, shown = fitting("m", errors.horizontal)
+        north, east = factor * errors.position[:, 0], factor * errors.position[:, 1]
+        gap.plot(east, north, color=BLUE, label="error")
+        gap.plot(east[0], north[0], "o", color="black", label="start")
+        gap.plot(east[-1], north[-1], "s", color=VERMILION, label="end")
+        gap.set(title="Horizontal error", xlabel=f"east ({shown})", ylabel=f"north ({shown})")
+        for axes in (track, gap):
+            axes.set_aspect("equal", adjustable="datalim")
+            legend(axes)

@@ -1,0 +1,206 @@
+"""Truth files: the true states of a run, or a reference's, as CSV.
+
+The header names the columns; they may stand in any order, and others are passed over:
+
+    time_s                              seconds from the log's first sample on, running forwards
+    q_w,q_x,q_y,q_z                     attitude, body (forward, right, down) to north-east-down
+      or roll_deg,pitch_deg,heading_deg   the same as Euler angles; the quaternion goes first
+    v_north,v_east,v_down               velocity over the Earth, m/s
+    lat_deg,lon_deg,height_m            geodetic, over the WGS-84 ellipsoid
+
+`sculler motion` writes them all, and so does `sculler navigate`, whose output may serve as truth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import islice
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.errors import InputError
+from sculler_model.navigation import NavHistory
+from sculler_model.navigation.rotation import from_euler
+from sculler_model.navigation.state import MAX_HEIGHT, MIN_HEIGHT
+
+Array = NDArray[np.float64]
+
+QUATERNION = ("q_w", "q_x", "q_y", "q_z")
+EULER = ("roll_deg", "pitch_deg", "heading_deg")
+PLACE = ("time_s", "v_north", "v_east", "v_down", "lat_deg", "lon_deg", "height_m")
+
+RANGES = {
+    "lat_deg": (-90.0, 90.0),
+    "lon_deg": (-360.0, 360.0),
+    "height_m": (MIN_HEIGHT, MAX_HEIGHT),
+}
+"""What is on or near the Earth."""
+
+BLOCK = 20_000
+"""Rows read at a time."""
+
+UNIT = 1e-6
+"""How far from 1 the length of a quaternion may be."""
+
+
+def read_truth(
+    path: str | Path, advance: Callable[[int], None] | None = None
+) -> Iterator[NavHistory]:
+    """Stream a truth file's states.
+
+    Args:
+        path: the file.
+        advance: told the rows read.
+
+    Yields:
+        States, times running forwards.
+
+    Raises:
+        InputError: the file cannot be read or has a fault; names file, line and column.
+    """
+    try:
+        with Path(path).open(encoding="utf-8-sig", newline="") as file:
+            yield from _blocks(file, str(path), advance)
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot read the truth ({error.strerror}), check the path"
+        ) from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a text file in UTF-8, give a CSV truth file") from error
+
+
+def _blocks(file: TextIO, name: str, advance: Callable[[int], None] | None) -> Iterator[NavHistory]:
+    layout = _Layout(name, file.readline())
+    line, before = 2, -np.inf
+    while lines := list(islice(file, BLOCK)):
+        table = layout.table(lines, line)
+        layout.check(table, line, before)
+        before = float(table[-1, 0])
+        line += len(lines)
+        if advance is not None:
+            advance(len(lines))
+        yield layout.history(table)
+    if line == 2:
+        raise InputError(f"{name}: the truth has no rows, give one for every instant")
+
+
+class _Layout:
+    """What the header says about a file's rows.
+
+    Args:
+        name: of the file.
+        header: its first line.
+    """
+
+    def __init__(self, name: str, header: str) -> None:
+        self.name = name
+        names = [column.strip() for column in header.split(",")]
+        if not header.strip():
+            raise InputError(f"{name}: the truth is empty, give a header and rows")
+        self.euler = not all(column in names for column in QUATERNION)
+        self.columns = (*PLACE, *(EULER if self.euler else QUATERNION))
+        for column in self.columns:
+            if column not in names:
+                attitude = f"an attitude ({','.join(QUATERNION)} or {','.join(EULER)})"
+                missing = attitude if column in EULER else f"column {column}"
+                raise InputError(f"{name}: line 1: {missing} is missing, add it")
+            if names.count(column) > 1:
+                raise InputError(f"{name}: line 1: column {column} is there twice, drop one")
+        self.width = len(names)
+        self.places = [names.index(column) for column in self.columns]
+
+    def table(self, lines: list[str], first: int) -> Array:
+        """The wanted columns of some rows, of which the first is line `first` of the file."""
+        if all(line.strip() for line in lines):
+            try:
+                return np.loadtxt(
+                    lines, np.float64, comments=None, delimiter=",", usecols=self.places, ndmin=2
+                )
+            except ValueError:
+                pass  # line by line, to say where
+        return np.array([self._row(line, first + k) for k, line in enumerate(lines)])
+
+    def _row(self, line: str, number: int) -> list[float]:
+        cells = line.rstrip("\r\n").split(",")
+        if len(cells) != self.width:
+            raise self._fault(
+                number, f"{len(cells)} values for {self.width} columns of the header, mend it"
+            )
+        row = []
+        for column, place in zip(self.columns, self.places, strict=True):
+            try:
+                row.append(float(cells[place]))
+            except ValueError:
+                shown = cells[place].strip()[:40]
+                raise self._fault(number, f"{column} is {shown!r}, give a number") from None
+        return row
+
+    def check(self, table: Array, first: int, before: float) -> None:
+        """Refuse what cannot be a state.
+
+        Args:
+            table: rows, the first being line `first` of the file.
+            first: see there.
+            before: time of the row before.
+        """
+        row, column = _where(~np.isfinite(table))
+        if row is not None:
+            raise self._fault(
+                first + row, f"{self.columns[column]} is {table[row, column]}, give a number"
+            )
+        time = table[:, 0]
+        earlier = np.concatenate(([before], time[:-1]))
+        row, _ = _where((time <= earlier)[:, None])
+        if row is not None:
+            raise self._fault(
+                first + row,
+                f"time {time[row]:.9g} s does not come after {earlier[row]:.9g} s, put the rows in"
+                " order of time",
+            )
+        for name, (low, high) in RANGES.items():
+            cells = table[:, self.columns.index(name)]
+            row, _ = _where(((cells < low) | (cells > high))[:, None])
+            if row is not None:
+                raise self._fault(
+                    first + row,
+                    f"{name} {cells[row]:.9g} is not allowed, give one from {low:g} to {high:g}",
+                )
+        if not self.euler:
+            length = np.linalg.norm(table[:, len(PLACE) :], axis=1)
+            row, _ = _where((np.abs(length - 1) > UNIT)[:, None])
+            if row is not None:
+                raise self._fault(
+                    first + row, f"the quaternion has length {length[row]:.7g}, give length 1"
+                )
+
+    def history(self, table: Array) -> NavHistory:
+        """Rows as states."""
+        lon = table[:, 5] - 360 * np.round(table[:, 5] / 360)
+        attitude = table[:, len(PLACE) :]
+        if self.euler:
+            angles = np.radians(attitude).tolist()
+            q = np.array([from_euler(roll, pitch, heading) for roll, pitch, heading in angles])
+        else:
+            q = attitude / np.linalg.norm(attitude, axis=1, keepdims=True)
+        return NavHistory(
+            time=table[:, 0],
+            v=table[:, 1:4],
+            lat=np.radians(table[:, 4]),
+            lon=np.radians(lon),
+            h=table[:, 6],
+            q=q,
+        )
+
+    def _fault(self, line: int, what: str) -> InputError:
+        return InputError(f"{self.name}: line {line}: {what}")
+
+
+def _where(bad: NDArray[np.bool_]) -> tuple[int | None, int]:
+    """Row and column of the first fault; row None if there is none."""
+    if not bad.any():
+        return None, 0
+    row, column = divmod(int(np.argmax(bad)), bad.shape[1])
+    return row, column

@@ -1,0 +1,75 @@
+"""Truth motions: known attitude, velocity and position, and the exact samples a sensor would give.
+
+`Motion` moves over the rotating WGS-84 Earth: a path and an attitude made of analytic functions,
+from which angular rate and specific force follow without any integration; `catalogue` has
+ready-made ones, `Vibration` shakes any of them.  `Coning`, `Sculling` and `SpinAccel` are the
+classical motions in inertial space.  Body frame: x forward, y right, z down; navigation frame:
+north, east, down.
+"""
+
+from sculler_model.motion.attitude import (
+    Turn,
+    X,
+    Y,
+    Z,
+    attitude,
+    attitude_jet,
+    coning_turns,
+    euler_turns,
+    steady_attitude,
+)
+from sculler_model.motion.catalogue import (
+    MOTIONS,
+    at_rest,
+    coning,
+    demo_motion,
+    great_circle,
+    hour_flight,
+    over_the_pole,
+    sculling,
+    spin_cone,
+    spin_rock_size,
+    turn_motion,
+)
+from sculler_model.motion.curves import ZERO, Curve, EvenPace, Smooth, Spline
+from sculler_model.motion.earthbound import Motion
+from sculler_model.motion.flight import Leg, flight
+from sculler_model.motion.inertial import Coning, Sculling, SpinAccel
+from sculler_model.motion.sampling import legendre_nodes
+from sculler_model.motion.vibration import Vibration
+
+__all__ = [
+    "MOTIONS",
+    "ZERO",
+    "Coning",
+    "Curve",
+    "EvenPace",
+    "Leg",
+    "Motion",
+    "Sculling",
+    "Smooth",
+    "SpinAccel",
+    "Spline",
+    "Turn",
+    "Vibration",
+    "X",
+    "Y",
+    "Z",
+    "at_rest",
+    "attitude",
+    "attitude_jet",
+    "coning",
+    "coning_turns",
+    "demo_motion",
+    "euler_turns",
+    "flight",
+    "great_circle",
+    "hour_flight",
+    "legendre_nodes",
+    "over_the_pole",
+    "sculling",
+    "spin_cone",
+    "spin_rock_size",
+    "steady_attitude",
+    "turn_motion",
+]

@@ -1,0 +1,254 @@
+"""A body moving over the turning Earth: its state, and what its sensors feel, without integration.
+
+The path is given in a geographic grid: grid latitude λ, grid longitude σ and height h as functions
+of time.  The grid is the Earth's own or one turned against it, so that a path may cross a pole as
+smoothly as any other place.  With n the normal of the ellipsoid (grid latitude and longitude are
+its direction), k the Earth's axis, s = n·k the sine of geodetic latitude and N the radius of the
+prime vertical, the position is
+
+    X = (N + h) n - e² N s k                       N = a/√D,  D = 1 - e² s²            (M1)
+
+and with ρ the rate of the grid's level frame (north, east, down) over the Earth, ṅ = ρ×n,
+
+    v = (N + h) ṅ + ḣ n - e² (N ṡ/D) k_level,      the vertical part being ḣ alone      (M2)
+
+since Ṅ = N g with g = e² s ṡ/D.  One more derivative, component by component, gives what the
+accelerometers feel: f = v̇ + (2ω_ie + ρ)×v - gravity.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, degrees, radians, sin
+
+import numpy as np
+
+from sculler_model.errors import InputError
+from sculler_model.motion.attitude import Four, Triple, Turn, attitude_jet
+from sculler_model.motion.curves import ZERO, Array, Jet, Smooth
+from sculler_model.motion.sampling import Sampled
+from sculler_model.navigation import NavHistory
+from sculler_model.navigation.earth import (
+    EARTH_RATE,
+    ECCENTRICITY_SQUARED,
+    SEMI_MAJOR_AXIS,
+    gravity,
+    radii,
+)
+from sculler_model.navigation.rotation import Quaternion, Vector, conjugate, cross, product, rotate
+
+_NEAR_POLE = radians(89.9)
+
+
+@dataclass(frozen=True)
+class Motion(Sampled):
+    """A body moving over the turning WGS-84 Earth, all of it analytic.
+
+    Attributes:
+        lat, lon, h: position (rad, rad, m) that the path starts from, in the grid.
+        north, east, up: displacement, m, along the grid; grid latitude and longitude are the
+            displacement over the radii at the starting point, so the path is exact and the metres
+            are nominal.
+        turns: attitude, body to the grid's north-east-down (first outermost).
+        arm: from the point that the path leads to the sensors, body axes x, y, z, m: a lever arm,
+            or a vibration; empty for none.
+        grid: quaternion from grid to Earth axes (x to longitude 0, z to the north pole); None for
+            the Earth's own grid.
+        name: what it is.
+
+    Raises:
+        InputError: the path begins within 0.1° of a pole of the Earth's own grid.
+    """
+
+    lat: float
+    lon: float
+    h: float
+    north: Smooth = ZERO
+    east: Smooth = ZERO
+    up: Smooth = ZERO
+    turns: tuple[Turn, ...] = ()
+    arm: tuple[Smooth, ...] = ()
+    grid: Quaternion | None = None
+    name: str = "motion"
+
+    def __post_init__(self) -> None:
+        if self.grid is None and abs(self.lat) > _NEAR_POLE and not self._still:
+            raise InputError(
+                f"{self.name}: latitude {degrees(self.lat):.6g}° is within 0.1° of a pole, where"
+                " only a body at rest or on a great circle can be; give another latitude"
+            )
+
+    @property
+    def _still(self) -> bool:
+        """It stays on one vertical, whatever its attitude."""
+        return self.north == self.east == ZERO and not self.arm
+
+    def state(self, t: Array) -> NavHistory:
+        """True states at times t (N,), s; geodetic, whatever the grid."""
+        path = _Path(self, t)
+        q, v = path.q, path.velocity
+        if self.grid is None:
+            lat, lon = path.lat[0], path.lon[0]
+        else:
+            lat, lon, convergence = self._geodetic(path)
+            zero = np.zeros_like(t)
+            turn: Four = (np.cos(0.5 * convergence), zero, zero, np.sin(0.5 * convergence))
+            q, v = product(turn, q), rotate(turn, v)
+        lon = lon - 2 * np.pi * np.round(lon / (2 * np.pi))
+        return NavHistory(np.array(t), np.stack(q, 1), np.stack(v, 1), lat, lon, path.h[0])
+
+    def sensed(self, t: Array) -> Array:
+        """What perfect sensors feel at times t (N,).
+
+        Returns:
+            (N, 6): ω_ib (rad/s), then specific force (m/s²), in the body frame.
+        """
+        path = _Path(self, t)
+        to_body = conjugate(path.q)
+        ie = (EARTH_RATE * path.k[0], EARTH_RATE * path.k[1], EARTH_RATE * path.k[2])
+        en = path.rate
+        frame = rotate(to_body, (ie[0] + en[0], ie[1] + en[1], ie[2] + en[2]))
+        twice = (2 * ie[0] + en[0], 2 * ie[1] + en[1], 2 * ie[2] + en[2])
+        coriolis = cross(twice, path.velocity)
+        change = path.acceleration
+        force = (
+            change[0] + coriolis[0],
+            change[1] + coriolis[1],
+            change[2] + coriolis[2] - gravity(path.sin_lat, path.h[0]),
+        )
+        rate = path.body_rate
+        turning = (frame[0] + rate[0], frame[1] + rate[1], frame[2] + rate[2])
+        return np.stack((*turning, *rotate(to_body, force)), axis=1)
+
+    @property
+    def highest(self) -> float:
+        """A bound on the frequencies (rad/s) that matter: all of them together, and a harmonic."""
+        spins = sum(turn.angle.steepest for turn in self.turns)
+        waves = sum(turn.angle.highest for turn in self.turns)
+        curves = (self.north, self.east, self.up, *self.arm)
+        return 2.0 * (spins + waves + max(curve.highest for curve in curves))
+
+    def _geodetic(self, path: _Path) -> tuple[Array, Array, Array]:
+        """Latitude, longitude, and by how much grid north lies east of true north (rad)."""
+        assert self.grid is not None
+        one = np.ones_like(path.sin_lat)
+        w, x, y, z = self.grid
+        to_earth: Four = (w * one, x * one, y * one, z * one)
+        n_x, n_y, n_z = rotate(to_earth, path.normal)
+        across = np.hypot(n_x, n_y)
+        lat, lon = np.arctan2(n_z, across), np.arctan2(n_y, n_x)
+        # true north by that longitude, so that the two agree even at a pole
+        g_x, g_y, g_z = rotate(to_earth, path.grid_north)
+        sin_lat, cos_lat, sin_lon, cos_lon = n_z, across, np.sin(lon), np.cos(lon)
+        along_north = cos_lat * g_z - sin_lat * (cos_lon * g_x + sin_lon * g_y)
+        along_east = cos_lon * g_y - sin_lon * g_x
+        return lat, lon, np.arctan2(along_east, along_north)
+
+
+class _Path:
+    """Everything about a motion at times t, in the grid's level frame (north, east, down).
+
+    Attributes:
+        q: body to level frame.
+        body_rate: of the body against the level frame, body axes, rad/s.
+        lat, lon, h: grid coordinates, each with two derivatives.
+        rate: ρ, of the level frame over the Earth, rad/s.
+        k: the Earth's axis.
+        sin_lat: sine of geodetic latitude.
+        velocity, acceleration: over the Earth, and its derivative component by component.
+    """
+
+    def __init__(self, motion: Motion, t: Array) -> None:
+        self.q, self.body_rate, body_change = attitude_jet(motion.turns, t)
+        meridian, prime_vertical = radii(sin(motion.lat))
+        per_north = 1 / (meridian + motion.h)
+        per_east = 1 / ((prime_vertical + motion.h) * cos(motion.lat))
+        north, east, up = motion.north.jet(t), motion.east.jet(t), motion.up.jet(t)
+        if motion.arm:
+            arm = _arm(motion.arm, t, self.q, self.body_rate, body_change)
+            north, east = _added(north, arm[0]), _added(east, arm[1])
+            up = _added(up, tuple(-down for down in arm[2]))
+        self.lat = (motion.lat + per_north * north[0], per_north * north[1], per_north * north[2])
+        self.lon = (motion.lon + per_east * east[0], per_east * east[1], per_east * east[2])
+        self.h = (motion.h + up[0], up[1], up[2])
+        self._follow(earth_axis(motion.grid))
+
+    def _follow(self, axis: Vector) -> None:
+        """(M1-M2) and their derivative; axis: the Earth's, in the grid."""
+        (lat, lat1, lat2), (lon, lon1, lon2), (h, h1, h2) = self.lat, self.lon, self.h
+        sin_lat, cos_lat = np.sin(lat), np.cos(lat)
+        sin_lon, cos_lon = np.sin(lon), np.cos(lon)
+        self._sines = sin_lat, cos_lat, sin_lon, cos_lon
+        x, y, z = axis
+        outward = x * cos_lon + y * sin_lon
+        k_n = z * cos_lat - sin_lat * outward
+        k_e = y * cos_lon - x * sin_lon
+        s = z * sin_lat + cos_lat * outward
+        self.k: Triple = (k_n, k_e, -s)
+        self.sin_lat = s
+
+        # ρ; ṅ is (lat1, east1, 0)
+        east1 = lon1 * cos_lat
+        east2 = lon2 * cos_lat - lon1 * lat1 * sin_lat
+        rate_d = -lon1 * sin_lat
+        self.rate: Triple = (east1, -lat1, rate_d)
+        # k stands still on the Earth: k̇ = -ρ×k in level axes
+        k_n1 = rate_d * k_e - lat1 * s
+        k_e1 = -rate_d * k_n - east1 * s
+        s1 = lat1 * k_n + east1 * k_e
+        s2 = lat2 * k_n + east2 * k_e + lat1 * k_n1 + east1 * k_e1
+
+        D = 1 - ECCENTRICITY_SQUARED * s * s
+        N = SEMI_MAJOR_AXIS / np.sqrt(D)
+        g = ECCENTRICITY_SQUARED * s * s1 / D
+        p = ECCENTRICITY_SQUARED * N * s1 / D  # e² d(N s)/dt
+        p1 = ECCENTRICITY_SQUARED * N * (s2 + 3 * g * s1) / D
+        radius, radius1 = N + h, N * g + h1
+        self.velocity: Triple = (radius * lat1 - p * k_n, radius * east1 - p * k_e, -h1)
+        self.acceleration: Triple = (
+            radius1 * lat1 + radius * lat2 - p1 * k_n - p * k_n1,
+            radius1 * east1 + radius * east2 - p1 * k_e - p * k_e1,
+            -h2,
+        )
+
+    @property
+    def normal(self) -> Triple:
+        """n in grid components."""
+        sin_lat, cos_lat, sin_lon, cos_lon = self._sines
+        return cos_lat * cos_lon, cos_lat * sin_lon, sin_lat
+
+    @property
+    def grid_north(self) -> Triple:
+        """The level frame's first axis in grid components."""
+        sin_lat, cos_lat, sin_lon, cos_lon = self._sines
+        return -sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat
+
+
+def earth_axis(grid: Quaternion | None) -> Vector:
+    """The Earth's axis in grid components."""
+    return (0.0, 0.0, 1.0) if grid is None else rotate(conjugate(grid), (0.0, 0.0, 1.0))
+
+
+def _arm(
+    arm: tuple[Smooth, ...], t: Array, q: Four, rate: Triple, change: Triple
+) -> tuple[Jet, Jet, Jet]:
+    """A vector of body axes seen from the level frame, with two derivatives, axis by axis."""
+    (x, x1, x2), (y, y1, y2), (z, z1, z2) = (part.jet(t) for part in arm)
+    a, b = cross(rate, (x, y, z)), cross(rate, (x1, y1, z1))
+    first = (x1 + a[0], y1 + a[1], z1 + a[2])
+    c, d = cross(change, (x, y, z)), cross(rate, a)
+    second = (
+        x2 + 2 * b[0] + c[0] + d[0],
+        y2 + 2 * b[1] + c[1] + d[1],
+        z2 + 2 * b[2] + c[2] + d[2],
+    )
+    value, first, second = rotate(q, (x, y, z)), rotate(q, first), rotate(q, second)
+    return (
+        (value[0], first[0], second[0]),
+        (value[1], first[1], second[1]),
+        (value[2], first[2], second[2]),
+    )
+
+
+def _added(a: Jet, b: tuple[Array, ...]) -> Jet:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]

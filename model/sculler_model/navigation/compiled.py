@@ -1,0 +1,80 @@
+"""The wander azimuth over whole arrays, compiled by Numba (the extra `fast`).
+
+The very functions of `wander`, `rotation` and `earth` are compiled, so there is one algorithm and
+the results equal those of the interpreter to rounding.  Without Numba the navigator goes on in
+Python: the same numbers, some hundred times more slowly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from hashlib import sha256
+from inspect import getsource
+from types import FunctionType
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.navigation import earth, rotation, wander
+from sculler_model.navigation.state import MAX_HEIGHT, MIN_HEIGHT
+from sculler_model.navigation.wander import Level, Settings, geographic, step
+
+Array = NDArray[np.float64]
+
+Run: TypeAlias = Callable[[Level, Settings, Array, Array, Array, Array], tuple[Level, int]]
+
+
+@cache
+def compiled_run() -> Run | None:
+    """What carries a state over many intervals at machine speed; None where Numba is missing.
+
+    It takes the state, the settings, φ, ΔV_SF and ΔR_SF, (R, 3) each (the last one (0, 3) where it
+    is not used), and an (R, 11) table that it fills with q_nb, v, lat, lon, h, wander at the
+    interval ends.  It returns the state at the end and how many intervals it got through: fewer
+    than R if the height left `MIN_HEIGHT`..`MAX_HEIGHT`.
+
+    Compiling takes some seconds at the very first call and is kept on disk from then on.
+    """
+    try:
+        from numba import njit
+        from numba.extending import register_jitable
+    except ImportError:
+        return None
+    for module in (earth, rotation, wander):
+        for function in vars(module).values():
+            if isinstance(function, FunctionType) and function.__module__ == module.__name__:
+                register_jitable(function)
+    # Numba sees only a change of this file: with the others' text the cache knows theirs as well
+    key = sha256("".join(map(getsource, (earth, rotation, wander))).encode()).hexdigest()
+
+    def loop(
+        now: Level, settings: Settings, phi: Array, dv_sf: Array, dr_sf: Array, table: Array
+    ) -> tuple[Level, int]:
+        len(key)  # a part of what the compiled code is kept under
+        dr = (0.0, 0.0, 0.0)
+        for i in range(len(phi)):
+            if settings.high_resolution:
+                dr = (dr_sf[i, 0], dr_sf[i, 1], dr_sf[i, 2])
+            now = step(
+                now,
+                settings,
+                (phi[i, 0], phi[i, 1], phi[i, 2]),
+                (dv_sf[i, 0], dv_sf[i, 1], dv_sf[i, 2]),
+                dr,
+            )
+            q, v, lat, lon, h, angle = geographic(now)
+            if not MIN_HEIGHT <= h <= MAX_HEIGHT:
+                return now, i
+            row = table[i]
+            row[0], row[1], row[2], row[3] = q
+            row[4], row[5], row[6] = v
+            row[7], row[8], row[9], row[10] = lat, lon, h, angle
+        return now, len(phi)
+
+    try:
+        run: Run = njit(cache=True)(loop)
+    except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
+        run = njit()(loop)
+    return run

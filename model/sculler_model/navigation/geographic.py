@@ -1,0 +1,121 @@
+"""The geographic mechanisation: north-pointing local level, latitude and longitude themselves.
+
+Simpler than the wander azimuth and independent of it, but it ends at the poles.
+"""
+
+from __future__ import annotations
+
+from math import cos, isfinite, pi, sin
+
+from sculler_model.errors import InputError
+from sculler_model.host import MajorIncrements
+from sculler_model.navigation.earth import earth_rate, gravity, transport_rate
+from sculler_model.navigation.rotation import (
+    Vector,
+    cross,
+    from_rotation_vector,
+    normalised,
+    plus,
+    product,
+    rotate,
+)
+from sculler_model.navigation.state import NavHistory, NavState, check_state, wrapped
+
+
+class GeographicNavigator:
+    """Geographic mechanisation: north-pointing local level, trapezoidal position.
+
+    Each update follows the order of Savage-98 Table 1: velocity with gravity and Coriolis at the
+    extrapolated middle of the interval (Savage-98 Eq. 7-8; Yang Eq. 16-20), then position by the
+    trapezoid, then attitude with the local level's rotation from the new velocity and position.
+
+    Args:
+        state: at the start of the first interval.
+        interval: length of a major interval, s.
+
+    Raises:
+        InputError: the state is not one to navigate from (see `check_state`), or at a pole.
+    """
+
+    def __init__(self, state: NavState, interval: float) -> None:
+        check_state(state)
+        if not abs(state.lat) < pi / 2:
+            raise InputError(
+                "initial state: at a pole there is no north to point to, use the wander azimuth"
+            )
+        if not (isfinite(interval) and interval > 0):
+            raise InputError(f"interval: {interval} s is not allowed, give a number > 0")
+        self._start, self._updates, self._interval = state.time, 0, interval
+        self._state = self._past = state._replace(wander=0.0)
+
+    @property
+    def state(self) -> NavState:
+        """The state at the end of the last update."""
+        return self._state
+
+    def update(self, phi: Vector, dv_sf: Vector) -> NavState:
+        """Carry the state over one major interval.
+
+        Args:
+            phi: rotation vector of the body over the interval, against inertial space, rad.
+            dv_sf: integral of the specific force (m/s) in the body frame at the interval's start.
+
+        Returns:
+            The state at the interval's end.
+
+        Raises:
+            InputError: the track has reached a pole, where north and longitude end.
+        """
+        T = self._interval
+        past, old = self._past, self._state
+
+        # velocity: values at the middle, extrapolated from the past
+        v_mid = plus(old.v, plus(old.v, past.v, -1.0), 0.5)
+        lat_mid, h_mid = 1.5 * old.lat - 0.5 * past.lat, 1.5 * old.h - 0.5 * past.h
+        sin_mid, cos_mid = sin(lat_mid), cos(lat_mid)
+        ie_n, ie_e, ie_d = earth_rate(sin_mid, cos_mid)
+        en_n, en_e, en_d = transport_rate(sin_mid, cos_mid, h_mid, v_mid)
+        zeta = (T * (ie_n + en_n), T * (ie_e + en_e), T * (ie_d + en_d))
+
+        dv = rotate(old.q, dv_sf)
+        once = cross(zeta, dv)  # (I - ½ζ× + (ζ×)²/12) C_nb ΔV_SF
+        dv = plus(plus(dv, once, -0.5), cross(zeta, once), 1 / 12)
+        coriolis = cross((2 * ie_n + en_n, 2 * ie_e + en_e, 2 * ie_d + en_d), v_mid)
+        north, east, down = plus(plus(old.v, dv, 1.0), coriolis, -T)
+        v: Vector = (north, east, down + T * gravity(sin_mid, h_mid))
+
+        # position: trapezoid, the curvature taken at its middle
+        v_mean: Vector = (0.5 * (old.v[0] + v[0]), 0.5 * (old.v[1] + v[1]), 0.5 * (old.v[2] + v[2]))
+        h = old.h - T * v_mean[2]
+        h_mid = 0.5 * (old.h + h)
+        _, en_e, _ = transport_rate(sin_mid, cos_mid, h_mid, v_mean)
+        lat = old.lat - T * en_e
+        lat_mid = 0.5 * (old.lat + lat)
+        sin_mid, cos_mid = sin(lat_mid), cos(lat_mid)
+        en_n, en_e, en_d = transport_rate(sin_mid, cos_mid, h_mid, v_mean)
+        lon = old.lon + T * en_n / cos_mid
+        if not abs(lat) < pi / 2 or abs(lon - old.lon) > 1:
+            raise InputError(
+                f"time {old.time:.3f} s: the track has reached a pole, where the north-pointing"
+                " mechanisation cannot follow, use the wander azimuth"
+            )
+
+        # attitude: q_nb(new) = q(-ζ) q_nb(old) q(φ)
+        ie_n, ie_e, ie_d = earth_rate(sin_mid, cos_mid)
+        minus_zeta = (-T * (ie_n + en_n), -T * (ie_e + en_e), -T * (ie_d + en_d))
+        q = product(old.q, from_rotation_vector(phi))
+        q = normalised(product(from_rotation_vector(minus_zeta), q))
+
+        self._updates += 1
+        time = self._start + self._updates * T
+        self._past, self._state = old, NavState(time, q, v, lat, wrapped(lon), h)
+        return self._state
+
+    def run(self, increments: MajorIncrements) -> NavHistory:
+        """Carry the state over consecutive major intervals; the states at their ends.
+
+        Raises:
+            InputError: the track has reached a pole.
+        """
+        pairs = zip(increments.phi.tolist(), increments.dv_sf.tolist(), strict=True)
+        return NavHistory.from_states([self.update(tuple(p), tuple(v)) for p, v in pairs])

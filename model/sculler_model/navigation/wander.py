@@ -1,0 +1,268 @@
+"""The wander-azimuth mechanisation: the arithmetic of one major interval (Savage-98 Table 1).
+
+Frames:
+    b   body: x forward, y right, z down.
+    e   Earth: x through latitude 0 and longitude 0, z through the north pole.
+    w   local level: z down along the ellipsoid's normal; x is turned from north by the wander
+        angle α, towards east.  Over the Earth it turns with the travel alone and not about the
+        vertical (ρ_z = 0), so nothing grows at the poles.
+
+w stands for both of Savage's frames N (z up) and L (z down).  C_ew, his C_N^E, takes w components
+to e components; it is carried as the quaternion `place`, which stays a rotation for ever, and
+q (q_wb) is his C_B^L likewise.
+
+Everything here is plain arithmetic on floats and tuples of floats, without any state of its own:
+the real-time path runs it as it stands, and `compiled` compiles the very same functions.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, pi, sin
+from typing import NamedTuple
+
+from sculler_model.navigation.earth import EARTH_RATE, ECCENTRICITY_SQUARED, gravity, radii
+from sculler_model.navigation.rotation import (
+    Quaternion,
+    Vector,
+    about_z,
+    cross,
+    from_rotation_vector,
+    normalised,
+    plus,
+    product,
+    rotate,
+    to_dcm,
+)
+
+AT_POLE = 1e-12
+"""Cosine of latitude below which north and longitude are by convention: 6 µm from a pole."""
+
+
+class Earth(NamedTuple):
+    """What the equations need of the Earth at one place, in the frame w.
+
+    Attributes:
+        rate: ω_ie, rad/s (Savage-98 Eq. 2).
+        curvature: xx, xy, yy of the ellipsoid's curvature at the height, 1/m: the transport rate
+            is (xy v_x + yy v_y, -xx v_x - xy v_y, 0) (Savage-98 Eq. 3, F_C and ρ_z = 0).
+        gravity: plumb-bob gravity, down, m/s².
+    """
+
+    rate: Vector
+    curvature: Vector
+    gravity: float
+
+
+class Settings(NamedTuple):
+    """What does not change from interval to interval.
+
+    Attributes:
+        interval: T, length of a major interval, s.
+        position_every: j, major intervals from one position update to the next.
+        high_resolution: position by the doubly integrated increments, not by the trapezoid.
+        damping: gains of the height loop k1 (1/s), k2 (1/s²), k3 (1/s³), and the height (m) that
+            it holds to; the gains are 0 for no loop.
+    """
+
+    interval: float
+    position_every: int
+    high_resolution: bool
+    damping: tuple[float, float, float, float]
+
+
+class Level(NamedTuple):
+    """All that is carried from one major interval to the next.
+
+    At the end of the last major interval:
+        q: q_wb, body to w.
+        v, v_past: velocity over the Earth in w, m/s; and one interval before.
+    At the last position update:
+        place: q_ew, the rotation C_ew.
+        h: height above the ellipsoid, m.
+        earth, earth_past: there; and one position update before.
+    Since the last position update:
+        since: major intervals.
+        travel: rotation vector of w over the Earth, rad (Savage-98 Eq. 73, ξ).
+        climb: m.
+    And:
+        offset: integral of the height loop, m/s².
+    """
+
+    q: Quaternion
+    v: Vector
+    v_past: Vector
+    place: Quaternion
+    h: float
+    earth: Earth
+    earth_past: Earth
+    since: int
+    travel: Vector
+    climb: float
+    offset: float
+
+
+NOT_YET: Vector = (0.0, 0.0, 0.0)
+
+
+def level(q_nb: Quaternion, v_n: Vector, lat: float, lon: float, h: float, wander: float) -> Level:
+    """The carried state of geographic terms (see `NavState`), with a past that stood still."""
+    to_level = about_z(-wander)
+    theta = -0.5 * pi - lat  # C_en = R_z(lon) R_y(-90° - lat)
+    to_earth: Quaternion = (cos(0.5 * theta), 0.0, sin(0.5 * theta), 0.0)
+    place = normalised(product(about_z(lon), product(to_earth, about_z(wander))))
+    v = rotate(to_level, v_n)
+    here = earth_at(place, h)
+    q = normalised(product(to_level, q_nb))
+    return Level(q, v, v, place, h, here, here, 0, NOT_YET, 0.0, 0.0)
+
+
+def geographic(
+    now: Level,
+) -> tuple[Quaternion, Vector, float, float, float, float]:
+    """What `NavState` tells, without the time: q_nb, v_n, lat, lon, h, wander.
+
+    Within `AT_POLE` of a pole, where there is no north, the wander angle is 0 and the longitude
+    goes with it.
+    """
+    place, h = position(now)
+    (xx, xy, xz), (yx, yy, yz), (_, _, zz) = to_dcm(place)
+    cos_lat = hypot(xz, yz)  # the third column of C_ew is down
+    lat = atan2(-zz, cos_lat)
+    if cos_lat > AT_POLE:
+        lon = atan2(-yz, -xz)
+        sin_lon, cos_lon = sin(lon), cos(lon)  # east is (-sin lon, cos lon, 0) in e
+        wander = atan2(cos_lon * yx - sin_lon * xx, cos_lon * yy - sin_lon * xy)
+    else:  # north is the frame's x axis
+        lon = atan2(-yx, -xx) if lat > 0 else atan2(yx, xx)
+        wander = 0.0
+    to_north = about_z(wander)
+    return product(to_north, now.q), rotate(to_north, now.v), lat, lon, h, wander
+
+
+def position(now: Level) -> tuple[Quaternion, float]:
+    """q_ew and height (m) at the end of the last major interval (Savage-98 Eq. 64, 68, 70)."""
+    place = normalised(product(now.place, from_rotation_vector(now.travel)))
+    return place, now.h + now.climb
+
+
+def earth_at(place: Quaternion, h: float) -> Earth:
+    """The Earth at q_ew and height h (m), in w.
+
+    The polar axis in w is (cos lat cos α, -cos lat sin α, -sin lat), the third row of C_ew.  The
+    principal curvatures differ by κ cos² lat, so turned into w by α they are 1/(R_N + h) + κ P Pᵀ:
+    regular at the poles, where P has no horizontal part.
+    """
+    polar = to_dcm(place)[2]
+    px, py, pz = polar
+    meridian, prime_vertical = radii(pz)
+    across = 1 / (prime_vertical + h)
+    kappa = ECCENTRICITY_SQUARED / (1 - ECCENTRICITY_SQUARED) * across * meridian / (meridian + h)
+    return Earth(
+        (EARTH_RATE * px, EARTH_RATE * py, EARTH_RATE * pz),
+        (across + kappa * px * px, kappa * px * py, across + kappa * py * py),
+        gravity(pz, h),
+    )
+
+
+def travelled(curvature: Vector, way: Vector) -> Vector:
+    """F_C (u × way): rotation (rad) over the Earth of a way (m), or its rate of a velocity."""
+    xx, xy, yy = curvature
+    return (xy * way[0] + yy * way[1], -xx * way[0] - xy * way[1], 0.0)
+
+
+def with_past(now: Level, after: Level, settings: Settings) -> Level:
+    """The first state with the past that straight lines through it and the next one give.
+
+    The extrapolations of `step` need a past; the first interval is therefore done twice.
+    """
+    there = earth_at(*position(after))
+    return Level(
+        now.q,
+        now.v,
+        plus(now.v, plus(now.v, after.v, -1.0), 1.0),
+        now.place,
+        now.h,
+        now.earth,
+        between(now.earth, there, -float(settings.position_every)),
+        now.since,
+        now.travel,
+        now.climb,
+        now.offset,
+    )
+
+
+def between(a: Earth, b: Earth, part: float) -> Earth:
+    """A part of the way (1: all of it) from a to b, on the straight line."""
+    return Earth(
+        plus(a.rate, plus(b.rate, a.rate, -1.0), part),
+        plus(a.curvature, plus(b.curvature, a.curvature, -1.0), part),
+        a.gravity + part * (b.gravity - a.gravity),
+    )
+
+
+def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vector) -> Level:
+    """Carry the state over one major interval: velocity, position, then attitude.
+
+    The frame w turns by ζ while the specific force acts.  A force constant in w, as at rest or in
+    steady flight, then gives (I - ½ζ× + (ζ×)²/12) C_wb ΔV_SF: exact to ζ⁴/720, where Savage-98
+    Eq. 13-14 with the whole of ζ (for intervals within one position update) leaves ½ζ.  Likewise
+    its double integral gets -(ζ/6× - (ζ×)²/24) C_wb ΔV_SF T, the 1/3 of Eq. 79 for half of ζ.
+
+    Args:
+        now: at the start of the interval.
+        settings: interval and modes.
+        phi: rotation vector of the body over the interval, against inertial space, rad.
+        dv_sf: ΔV_SF, integral of the specific force (m/s) in the body frame at the START of the
+            interval, held fixed in inertial space (Savage-98 Eq. 37).
+        dr_sf: ΔR_SF, the running integral of that over the interval (m), same frame (Savage-98
+            Eq. 84); not looked at without `high_resolution`.
+
+    Returns:
+        The state at the end of the interval.
+    """
+    T, j = settings.interval, settings.position_every
+    # the middle of the interval, by extrapolation (Savage-98 Eq. 8, 9, 19)
+    mid = between(now.earth, now.earth_past, -(now.since + 0.5) / j)
+    v_mid = plus(now.v, plus(now.v, now.v_past, -1.0), 0.5)
+    w_ie, w_en = mid.rate, travelled(mid.curvature, v_mid)
+    zeta_x, zeta_y, zeta_z = plus(w_ie, w_en, 1.0)
+    zeta = (T * zeta_x, T * zeta_y, T * zeta_z)  # Eq. 17
+
+    # velocity (Savage-98 Eq. 4-7, 11, 13)
+    dv = rotate(now.q, dv_sf)
+    once = cross(zeta, dv)
+    twice = cross(zeta, once)
+    coriolis_x, coriolis_y, coriolis_z = cross(plus(w_en, w_ie, 2.0), v_mid)
+    dv_g_cor = (-T * coriolis_x, -T * coriolis_y, T * (mid.gravity - coriolis_z))
+    k1, k2, k3, reference = settings.damping
+    too_high = now.h + now.climb - reference
+    offset = now.offset + T * k3 * too_high
+    damped = (0.0, 0.0, T * (k2 * too_high + offset))
+    dv_sf_w = plus(plus(dv, once, -0.5), twice, 1 / 12)
+    v = plus(plus(plus(now.v, dv_sf_w, 1.0), dv_g_cor, 1.0), damped, 1.0)
+
+    # position: way over the interval (Savage-98 Eq. 75 or 83), and what it turns w by (Eq. 71-73)
+    if settings.high_resolution:
+        half = plus(plus(now.v, dv_g_cor, 0.5), damped, 0.5)
+        turned = plus(plus(half, once, -1 / 6), twice, 1 / 24)
+        way = plus(rotate(now.q, dr_sf), turned, T)
+    else:
+        way = plus((0.5 * T * v[0], 0.5 * T * v[1], 0.5 * T * v[2]), now.v, 0.5 * T)
+    xi = travelled(mid.curvature, way)
+    travel = plus(now.travel, xi, 1.0)
+    climb = now.climb - way[2] - T * k1 * too_high
+
+    # attitude: q_wb(new) = q(-ζ) q_wb(old) q(φ), with the ζ of the way gone (Savage-20 Eq. 1)
+    turn_x, turn_y, turn_z = plus(xi, w_ie, T)
+    back = from_rotation_vector((-turn_x, -turn_y, -turn_z))
+    q = normalised(product(back, product(now.q, from_rotation_vector(phi))))
+
+    after = Level(
+        q, v, now.v, now.place, now.h, now.earth, now.earth_past,
+        now.since + 1, travel, climb, offset,
+    )  # fmt: skip
+    if after.since < j:
+        return after
+    place, h = position(after)
+    here = earth_at(place, h)
+    return Level(q, v, now.v, place, h, here, now.earth, 0, NOT_YET, 0.0, offset)

@@ -1,0 +1,126 @@
+"""`navigate`: mechanisations, how often the position, the height held, the alignment refined."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from math import radians
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sculler.logs import LogWriter
+from sculler_model.design import Design
+from sculler_model.motion import Motion, at_rest, turn_motion
+from sculler_model.quantise import Quantiser
+
+Run = Callable[..., Any]
+Refused = Callable[..., str]
+
+PLACE = ("--lat", 48, "--lon", 11, "--height", 500)
+
+
+def vectors(run: Run, folder: Path, motion: Motion, seconds: float) -> Path:
+    """The motion's vectors by way of `model`, STIM300."""
+    design = Design.preset("stim300")
+    log, out = folder / "log.csv", folder / "vectors.csv"
+    with LogWriter(log) as writer:
+        samples = round(seconds * design.sensor.sample_rate_hz)
+        quantise = Quantiser(design)
+        for chunk in motion.chunks("increment", samples, design.sample_interval):
+            writer.write(quantise(chunk))
+    assert run("model", "stim300", log, "-o", out).status == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("mechanisation")
+
+
+@pytest.fixture
+def turning(run: Run, folder: Path) -> Path:
+    """20 s of a turn."""
+    out = folder / "vectors.csv"
+    return out if out.exists() else vectors(run, folder, turn_motion(), 20)
+
+
+def track(path: Path) -> np.ndarray[Any, np.dtype[np.float64]]:
+    with path.open() as file:
+        rows = [[float(value) for value in row] for row in list(csv.reader(file))[1:]]
+    return np.array(rows)
+
+
+def test_every_mechanisation_tells_the_same_track(run: Run, tmp_path: Path, turning: Path) -> None:
+    tracks = []
+    for number, options in enumerate(
+        (
+            (),
+            ("--mechanisation", "geographic"),
+            ("--position-every", 5),
+            ("--height-damping", 60),
+        )
+    ):
+        out = tmp_path / f"{number}.csv"
+        outcome = run(
+            "navigate", "stim300", turning, "-o", out, *PLACE, "--ve", 30, "--no-plots", *options
+        )
+        assert (outcome.status, outcome.err) == (0, "")
+        tracks.append(track(out))
+    wander, geographic, seldom, damped = tracks
+    lat, lon, height = 11, 12, 13
+    for other in (geographic, seldom):
+        assert np.abs(other[:, lat] - wander[:, lat]).max() < 1e-9
+        assert np.abs(other[:, lon] - wander[:, lon]).max() < 1e-9
+        assert np.abs(other[:, :8] - wander[:, :8]).max() < 1e-7
+        assert not np.array_equal(other, wander)
+    assert np.abs(damped[:, height] - 500).max() < np.abs(wander[:, height] - 500).max()
+
+
+def test_at_a_pole(run: Run, refused: Refused, tmp_path: Path, turning: Path) -> None:
+    place = ("--lat", 90, "--lon", 0, "--height", 0, "--no-plots", "-o", tmp_path / "nav.csv")
+    assert run("navigate", "stim300", turning, *place).status == 0
+    said = refused("navigate", "stim300", turning, *place, "--mechanisation", "geographic")
+    assert "at a pole there is no north to point to" in said
+
+
+@pytest.mark.parametrize("option", [("--position-every", 2), ("--height-damping", 50)])
+def test_what_the_geographic_one_has_not(
+    refused: Refused, tmp_path: Path, turning: Path, option: tuple[object, ...]
+) -> None:
+    out = tmp_path / "nav.csv"
+    options = (*PLACE, "-o", out, "--mechanisation", "geographic", *option)
+    assert "are for the wander azimuth" in refused("navigate", "stim300", turning, *options)
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("lat", ["90.1", "-91", "nan"])
+def test_outside_the_earth(refused: Refused, tmp_path: Path, turning: Path, lat: str) -> None:
+    place = (f"--lat={lat}", "--lon", 0, "--height", 0, "-o", tmp_path / "nav.csv")
+    assert lat.lstrip("-") in refused("navigate", "stim300", turning, *place)
+
+
+def test_fine_alignment(run: Run, tmp_path: Path) -> None:
+    out = tmp_path / "nav.csv"
+    where = at_rest(radians(48), radians(11), 500, radians(2), radians(-3), radians(130))
+    rest = vectors(run, tmp_path, where, 90)
+    outcome = run(
+        "navigate", "stim300", rest, "-o", out, *PLACE, "--align", 60, "--fine", "--json",
+        "--no-plots",
+    )  # fmt: skip
+    assert (outcome.status, outcome.err) == (0, "")
+    found = json.loads(outcome.out)["alignment"]
+    assert found["level_sigma_deg"] < 1e-3
+    assert len(found["gyro_bias_deg_per_h"]) == 3
+    attitude = track(out)[0, 5:8]
+    assert attitude[:2] == pytest.approx([2, -3], abs=1e-3)
+    # 24-bit STIM300 counts of 1.7 milliseconds of arc, 60 s: a degree of heading
+    assert attitude[2] == pytest.approx(130, abs=5 * found["heading_sigma_deg"])
+
+
+def test_fine_needs_align(refused: Refused, tmp_path: Path, turning: Path) -> None:
+    said = refused("navigate", "stim300", turning, "-o", tmp_path / "n.csv", *PLACE, "--fine")
+    assert "--fine refines --align, give that too" in said

@@ -1,0 +1,147 @@
+"""Whole arrays, compiled: the same numbers as one result at a time."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from math import radians
+
+import numpy as np
+import pytest
+
+from sculler_model.errors import InputError
+from sculler_model.host import MajorIncrements
+from sculler_model.motion import turn_motion
+from sculler_model.navigation import HeightDamping, NavHistory, Navigator, NavState
+from sculler_model.navigation import navigator as module
+from sculler_model.navigation.compiled import compiled_run
+from sculler_model.navigation.exact import exact_increments
+
+NAMES = ("time", "q", "v", "lat", "lon", "h", "wander")
+WHERE = turn_motion(rocking=radians(1), shaking=3.0)
+START = WHERE.state(np.zeros(1)).state(0)
+
+needs_numba = pytest.mark.skipif(compiled_run() is None, reason="Numba (extra `fast`) is missing")
+
+
+def same(a: NavHistory, b: NavHistory) -> bool:
+    return all(
+        np.allclose(getattr(a, name), getattr(b, name), rtol=1e-15, atol=1e-15) for name in NAMES
+    )
+
+
+@pytest.fixture(scope="module")
+def increments() -> MajorIncrements:
+    return exact_increments(WHERE, 300, 0.01)
+
+
+@needs_numba
+@pytest.mark.parametrize("position_every", [1, 3])
+@pytest.mark.parametrize("damping", [None, HeightDamping(500.0, 20.0)])
+@pytest.mark.parametrize("fine", [False, True])
+def test_run_is_update_many_times(
+    increments: MajorIncrements, position_every: int, damping: HeightDamping | None, fine: bool
+) -> None:
+    ways = 0.005 * increments.dv_sf if fine else None
+
+    def navigator() -> Navigator:
+        return Navigator(START, 0.01, position_every=position_every, height_damping=damping)
+
+    live = navigator()
+    states = [
+        live.update(*(tuple(row) for row in rows))
+        for rows in zip(
+            increments.phi.tolist(),
+            increments.dv_sf.tolist(),
+            *([ways.tolist()] if ways is not None else []),
+            strict=True,
+        )
+    ]
+    whole = navigator().run(increments, ways, compiled=True)
+    assert same(navigator().run(increments, ways, compiled=False), whole)
+    assert same(NavHistory.from_states(states), whole)
+    # in parts, and some of them one at a time
+    mixed = navigator()
+    first = None if ways is None else ways[:100]
+    parts = [mixed.run(increments[:100], first, compiled=True)]
+    for i in range(100, 107):
+        rows = [increments.phi[i], increments.dv_sf[i], *([] if ways is None else [ways[i]])]
+        parts.append(NavHistory.from_states([mixed.update(*(tuple(r.tolist()) for r in rows))]))
+    last = None if ways is None else ways[107:]
+    parts.append(mixed.run(increments[107:], last, compiled=True))
+    assert same(NavHistory.concatenate(parts), whole)
+    assert mixed.state == whole.state(-1)
+
+
+@needs_numba
+def test_long_runs_are_compiled_by_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From so many intervals on, whether they come at once or in blocks."""
+    asked = []
+    monkeypatch.setattr(module, "compiled_run", lambda: asked.append(True))
+    monkeypatch.setattr(module, "WORTH_COMPILING", 250)
+    navigator = Navigator(START, 1e-3)
+    nothing = MajorIncrements(*np.zeros((3, 100, 3)))
+    for expected in (0, 0, 1, 2):
+        navigator.run(nothing)
+        assert len(asked) == expected
+
+
+def test_numba_is_not_needed() -> None:
+    """Without it the loop is Python's, and only who insists is told."""
+    code = """
+import sys
+sys.modules["numba"] = None
+import numpy as np
+from sculler_model.errors import InputError
+from sculler_model.errors import InputError
+from sculler_model.host import MajorIncrements
+from sculler_model.navigation import Navigator, NavState, navigator
+navigator.WORTH_COMPILING = 1
+start = NavState(0.0, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.8, 0.2, 100.0)
+nothing = MajorIncrements(*np.zeros((3, 3, 3)))
+assert len(Navigator(start, 0.01).run(nothing)) == 3
+try:
+    Navigator(start, 0.01).run(nothing, compiled=True)
+except InputError as error:
+    assert "install sculler[fast]" in str(error)
+else:
+    raise AssertionError("no word")
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_no_intervals() -> None:
+    nothing = Navigator(START, 0.01).run(MajorIncrements(*np.zeros((3, 0, 3))))
+    assert len(nothing) == 0
+    assert nothing.q.shape == (0, 4)
+
+
+@pytest.mark.parametrize("compiled", [False, None])
+def test_arrays_of_other_lengths_are_refused(
+    increments: MajorIncrements, compiled: bool | None
+) -> None:
+    navigator = Navigator(START, 0.01)
+    message = r"increments: shapes \(300, 3\), \(300, 3\), \(299, 3\) differ"
+    with pytest.raises(InputError, match=message):
+        navigator.run(increments, increments.dv_sf[1:], compiled=compiled)
+    assert navigator.state == START
+
+
+@needs_numba
+def test_the_quaternions_keep_their_length_for_a_million_updates() -> None:
+    """No drift, by construction: each step squares what is left of the last one's error.
+
+    `rotation.normalised` takes a length of 1 + ε to 1 - 3/2 ε², so after any number of updates
+    the length is off by the rounding of the last: after 10⁴ and after 10⁶ the same.
+    """
+    start = NavState(0.0, (1.0, 0.0, 0.0, 0.0), (250.0, -100.0, 0.0), 0.7, 0.2, 0.0)
+    navigator = Navigator(start, 1e-5)  # ten seconds of free fall
+    block = MajorIncrements(*np.zeros((3, 10_000, 3)))
+    block.phi[:] = [0.01, -0.02, 0.015]
+    worst = []
+    for _ in range(100):
+        length = np.linalg.norm(navigator.run(block).q, axis=1)
+        worst.append(np.abs(length - 1).max())
+    assert max(worst) < 5e-16
+    place = navigator._level.place
+    assert abs(sum(c * c for c in place) - 1) < 1e-15

@@ -1,0 +1,197 @@
+"""Errors against truth: put in by hand and found again, at the poles too, whole and in blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import pi, radians
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from sculler_model.errors import InputError
+from sculler_model.motion import great_circle, hour_flight, over_the_pole
+from sculler_model.navigation import NavHistory
+from sculler_model.navigation.earth import radii
+from sculler_model.navigation.rotation import from_rotation_vector, product
+from sculler_model.navigation_errors import (
+    Comparison,
+    interpolated,
+    navigation_errors,
+    rows,
+)
+
+FLIGHT = hour_flight(radians(48), radians(11), 500.0)
+
+
+def turned(q: NDArray, phi: tuple[float, float, float]) -> NDArray:
+    """Attitudes after one more rotation, seen from north-east-down."""
+    return np.array([product(from_rotation_vector(phi), tuple(row)) for row in q.tolist()])
+
+
+def test_errors_put_in_are_found() -> None:
+    truth = FLIGHT.state(np.linspace(200, 3000, 9))
+    phi = (3e-5, -2e-5, 5e-5)
+    meridian, prime_vertical = radii(np.sin(truth.lat))
+    north, east, down = 3.0, -4.0, 7.0
+    estimate = replace(
+        truth,
+        q=turned(truth.q, phi),
+        v=truth.v + np.array([0.1, -0.2, 0.3]),
+        lat=truth.lat + north / (meridian + truth.h),
+        lon=truth.lon + east / ((prime_vertical + truth.h) * np.cos(truth.lat)) + 2 * pi,
+        h=truth.h - down,
+    )
+    errors = navigation_errors(estimate, truth)
+    # further west, north points tan(lat)/R a metre further east: that is not counted as an error
+    convergence = -east / (prime_vertical + truth.h) * np.tan(truth.lat)
+    expected = np.tile(phi, (9, 1)) + np.outer(convergence, [0, 0, 1])
+    assert np.allclose(errors.attitude, expected, rtol=1e-4, atol=1e-10)
+    c, v = convergence, truth.v
+    twist = np.stack((-c * v[:, 1], c * v[:, 0], 0 * c), 1)
+    assert np.allclose(errors.velocity, np.array([0.1, -0.2, 0.3]) + twist, atol=1e-6)
+    assert np.allclose(errors.position, [north, east, down], atol=2e-5)
+    assert np.allclose(errors.horizontal, 5.0, atol=2e-5)
+
+
+def test_nothing_is_wrong_with_the_truth_itself() -> None:
+    truth = over_the_pole(before=300).state(np.linspace(0, 600, 61))
+    errors = navigation_errors(truth, truth)
+    for table in (errors.attitude, errors.velocity, errors.position):
+        assert np.abs(table).max() < 1e-13
+
+
+def test_at_a_pole_the_errors_are_as_elsewhere() -> None:
+    """Two tracks 10 m apart across the pole: the estimate is behind, nothing else is wrong.
+
+    The truth's and the estimate's norths are turned by up to 180° against each other.
+    """
+    motion = over_the_pole(h=0.0, speed=100.0, before=1.0)
+    t = np.array([0.5, 0.95, 1.02, 1.06, 1.8])
+    truth, estimate = motion.state(t), replace(motion.state(t - 0.1), time=t)
+    errors = navigation_errors(estimate, truth)
+    assert np.allclose(np.linalg.norm(errors.attitude, axis=1), 0, atol=1e-9)
+    assert np.allclose(np.linalg.norm(errors.velocity, axis=1), 0, atol=1e-9)
+    assert np.allclose(errors.horizontal, 10, atol=1e-6)
+    assert np.abs(errors.position[:, 2]).max() < 1e-8
+
+
+def test_interpolation_on_a_smooth_track() -> None:
+    motion = great_circle(0.7, pi - 1e-4, 9000.0, 1.3, 250.0)  # across 180°, too
+    whole = motion.state(np.arange(0, 20.0))
+    times = np.array([0.0, 0.25, 3.5, 7.0, 7.9, 19.0])
+    found, count = interpolated(whole, times)
+    assert count == 3
+    errors = navigation_errors(found, motion.state(times))
+    assert np.abs(errors.position).max() < 1e-6  # a cubic's error, x'''' h⁴/384, and rounding
+    assert np.abs(errors.velocity).max() < 250 * (250 / 6.4e6) ** 2 / 8 + 1e-9
+    assert np.abs(errors.attitude).max() < 1e-9
+    exact = rows(found, np.array([0, 3, 5]))
+    assert np.array_equal(exact.q, whole.q[[0, 7, 19]])
+    assert np.array_equal(exact.lon, whole.lon[[0, 7, 19]])
+
+
+def test_interpolated_attitude_turns_evenly() -> None:
+    q = np.array([(1.0, 0, 0, 0), from_rotation_vector((0, 0, 1.2))])
+    q[1] *= -1  # the same attitude
+    zero = np.zeros(2)
+    history = NavHistory(np.array([0.0, 2.0]), q, np.zeros((2, 3)), zero, zero, zero)
+    found, _ = interpolated(history, np.array([0.5]))
+    assert np.allclose(found.q[0], from_rotation_vector((0, 0, 0.3)), atol=1e-15)
+
+
+def blocks(history: NavHistory, size: int) -> Iterator[NavHistory]:
+    for first in range(0, len(history), size):
+        yield rows(history, slice(first, first + size))
+
+
+def drifting(t: NDArray, rate: float = 2.0) -> NavHistory:
+    """The flight's states, sliding north at a rate."""
+    state = FLIGHT.state(t)
+    meridian, _ = radii(np.sin(state.lat))
+    return replace(state, lat=state.lat + rate * (t - t[0]) / (meridian + state.h))
+
+
+@pytest.mark.parametrize("size", [5, 1000])
+@pytest.mark.parametrize(
+    ("truth_step", "instants", "between"),
+    [
+        (0.01, 1001, 0),  # the same instants
+        (0.1, 101, 0),  # a sparser truth
+        (0.0025, 1001, 0),  # a denser one
+        (0.025, 401, 200),  # sparser, every other instant between two of the run's
+        (0.004, 1001, 500),  # denser, but every other instant between two of the truth's
+    ],
+)
+def test_comparison_in_blocks(truth_step: float, instants: int, between: int, size: int) -> None:
+    run = drifting(400 + 0.01 * np.arange(1001))
+    truth = FLIGHT.state(400 + truth_step * np.arange(round(10 / truth_step) + 1))
+    comparison = Comparison(blocks(truth, max(size, 2)), 0.01, "truth.csv")
+    pairs = [comparison.add(part) for part in blocks(run, size)]
+    comparison.finish()
+    assert (comparison.instants, comparison.interpolated) == (instants, between)
+    assert comparison.growth == pytest.approx(2.0, rel=1e-6)
+    figures = comparison.figures()
+    t = np.concatenate([truth.time for _, truth in pairs]) - 400
+    assert len(t) == instants
+    north, total = figures["position"]["north"], figures["position"]["total"]
+    assert north.rms == pytest.approx(np.sqrt(np.mean((2 * t) ** 2)), rel=1e-5)
+    assert (north.largest, north.final) == pytest.approx((20, 20), rel=1e-5)
+    assert total.final == pytest.approx(20, rel=1e-5)
+    assert figures["position"]["down"].largest < 1e-3  # the chord over 20 m
+    assert figures["velocity"]["total"].largest < 1e-3
+    assert figures["attitude"]["total"].largest < 1e-6
+
+
+def compared(run: NavHistory, truth: NavHistory) -> None:
+    comparison = Comparison(blocks(truth, 50), 0.01, "truth.csv")
+    for part in blocks(run, 33):
+        comparison.add(part)
+    comparison.finish()
+
+
+RUN = 0.01 * np.arange(201)
+
+
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        (0.1 * np.arange(1, 21), None),  # one step late at the beginning: allowed
+        (0.1 * np.arange(-50, 21), None),  # begins earlier
+        (0.1 * np.arange(20), None),  # ends within a step
+        (0.1 * np.arange(22), None),
+        (0.1 * np.arange(3, 21), "begins at 0.3 s, but the run at 0 s"),
+        (0.01 * np.arange(2, 201), "begins at 0.02 s"),
+        (0.005 * np.arange(1, 401), "begins at 0.005 s"),
+        (0.1 * np.arange(19), "ends at 1.8 s, but the run goes on"),
+        (0.01 * np.arange(150), "ends at 1.49 s"),
+        (0.005 * np.arange(400), "ends at 1.995 s"),
+        (0.1 * np.arange(24), "goes on to 2.3 s or longer, but the run ends at 2 s"),
+        (0.01 * np.arange(900), "goes on to"),
+        (10 + 0.01 * np.arange(201), "begins at 10 s"),
+        (-10 + 0.01 * np.arange(201), "ends at"),
+        (np.zeros(1), "fewer than two rows"),
+    ],
+)
+def test_spans(times: NDArray, message: str | None) -> None:
+    run, truth = FLIGHT.state(RUN), FLIGHT.state(np.asarray(times, dtype=float))
+    if message is None:
+        compared(run, truth)
+        return
+    with pytest.raises(InputError, match=r"^truth\.csv: ") as caught:
+        compared(run, truth)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_no_instant_is_compared_twice() -> None:
+    """Blocks that overlap nothing, where the run's block ends on an instant of the truth."""
+    comparison = Comparison(blocks(FLIGHT.state(0.1 * np.arange(21)), 4), 0.01, "truth.csv")
+    times = [comparison.add(part)[1].time for part in blocks(FLIGHT.state(RUN), 11)]
+    assert np.concatenate(times) == pytest.approx(0.1 * np.arange(21))
+
+
+def test_no_truth_at_all() -> None:
+    with pytest.raises(InputError, match="fewer than two rows"):
+        Comparison(iter(()), 0.01, "truth.csv")
