@@ -4,6 +4,7 @@
 #   make lint    formatter, linter, type checker, import directions
 #   make bench   speeds, medians of several runs
 #   make accuracy  docs/accuracy.md and its pictures: the papers' figures beside ours
+#   make hardware  docs/hardware.md and its pictures: real place-and-route, about half an hour
 #   make clean   remove what the targets made
 
 PYTHON ?= python3
@@ -11,7 +12,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: demo test lint format bench accuracy clean setup
+.PHONY: demo test lint format bench accuracy hardware clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -48,6 +49,9 @@ bench: $(READY)
 
 accuracy: $(READY)
 	$(BIN)/python -m sculler.accuracy
+
+hardware: $(READY)
+	$(BIN)/python -m sculler.hardware
 
 clean:
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -27,6 +27,7 @@ def make_design(
     family: str = "frequency-taylor",
     kind: str = "increment",
     options: dict[str, Any] | None = None,
+    hardware: dict[str, Any] | None = None,
     **table: Any,
 ) -> Design:
     """A design of n samples, p history, M minors and (gyro, accel) bits.
@@ -52,8 +53,14 @@ def make_design(
                 "accel": {"bits": bits[1], "lsb": 1e-7},
             },
             "algorithm": algorithm,
+            "hardware": hardware or {},
         }
     )
+
+
+def with_hardware(design: Design, **hardware: Any) -> Design:
+    """The same design with another [hardware]."""
+    return Design.parse({**design.as_json(), "hardware": hardware})
 
 
 _ALL = [
@@ -145,6 +152,26 @@ _ALL = [
 
 DESIGNS: dict[str, Design] = {design.name: design for design in _ALL}
 """Named designs: n 1-8, p 0-n, compressed and dense, increments and rates, M 1-64, widths 8-32."""
+
+
+CORES: dict[str, dict[str, Any]] = {"pipelined": {}, "compact": {"core": "compact"}}
+"""[hardware] of the two cores as they come."""
+
+TARGETS = ("ecp5", "ice40", "xilinx")
+"""Targets whose multiplier or memory blocks differ from what is generic."""
+
+
+def on_cores(design: Design, cores: dict[str, dict[str, Any]]) -> dict[str, Design]:
+    """The design on each of the cores, by NAME-CORE."""
+    return {f"{design.name}-{core}": with_hardware(design, **h) for core, h in cores.items()}
+
+
+def on_targets(design: Design, core: str) -> dict[str, Design]:
+    """The design on one of `CORES` for each of `TARGETS`, by NAME-TARGET."""
+    return {
+        f"{design.name}-{target}": with_hardware(design, target=target, **CORES[core])
+        for target in TARGETS
+    }
 
 
 def random_counts(design: Design, samples: int, rng: np.random.Generator) -> Counts:

@@ -2,7 +2,8 @@
 
 Each measurement runs once unmeasured, then several times, in turn with the others, so that a busy
 moment of the machine does not fall on one of them alone; medians are reported.  All are of the
-default design (the STIM300 preset) on random full-scale samples.
+default design (the STIM300 preset) on random full-scale samples; simulations of the RTL tell the
+clocks they run in a second too.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from rich.table import Table
 from sculler import terminal
 from sculler.logs import LogWriter, read_log
 from sculler.main import run_command
+from sculler_hdl.core import timing
 from sculler_model.blocks import VectorBlock
 from sculler_model.design import Design
 from sculler_model.fast import FastModel
@@ -33,15 +35,20 @@ from sculler_model.host import major_increments
 from sculler_model.motion import demo_motion
 from sculler_model.navigation import navigate
 from sculler_model.quantise import Quantiser
+from sculler_model.throughput import clocks_per_major
 from sculler_sim.engine import EngineName, simulate
 
 
 class Task(NamedTuple):
-    """One measurement: what it is, the samples one run takes, and the run."""
+    """One measurement: what it is, the samples one run takes, and the run.
+
+    `clocks` are those of one run, where it simulates hardware.
+    """
 
     name: str
     samples: int
     run: Callable[[], object]
+    clocks: int | None = None
 
 
 def tasks(design: Design, folder: Path) -> list[Task]:
@@ -55,6 +62,7 @@ def tasks(design: Design, folder: Path) -> list[Task]:
         return np.hstack([gyro, accel])
 
     few, some, many = (random_counts(samples) for samples in (2_000, 10_000, 2_000_000))
+    compact = Design.parse({**design.as_json(), "hardware": {"core": "compact"}})
     log = folder / "log.csv"
     with LogWriter(log) as writer:
         writer.write(many[:400_000])
@@ -72,14 +80,20 @@ def tasks(design: Design, folder: Path) -> list[Task]:
     )
     start = motion.state(np.zeros(1)).state(0)
 
-    def simulation(engine: EngineName, counts: NDArray[np.int64]) -> Callable[[], object]:
-        return lambda: sum(map(len, simulate(design, [(counts, None)], engine=engine)))
+    def simulation(name: str, core: Design, engine: EngineName, counts: NDArray[np.int64]) -> Task:
+        def run() -> object:
+            return sum(map(len, simulate(core, [(counts, None)], engine=engine)))
+
+        intervals = len(counts) // core.samples_per_major
+        clocks = intervals * clocks_per_major(core, timing(core))
+        return Task(name, len(counts), run, clocks)
 
     return [
         Task("golden model, reference", len(plain), lambda: list(GoldenModel(design).run(plain))),
         Task("golden model, fast twin", len(many), lambda: FastModel(design).feed(many)),
-        Task("RTL in Amaranth's simulator", len(few), simulation("amaranth", few)),
-        Task("RTL in Verilator", len(many), simulation("verilator", many)),
+        simulation("pipelined core in Amaranth's simulator", design, "amaranth", few),
+        simulation("pipelined core in Verilator", design, "verilator", many),
+        simulation("compact core in Verilator", compact, "verilator", many[:20_000]),
         Task(
             "navigate (one update a major interval)",
             count,
@@ -123,6 +137,9 @@ def command(runs: int, as_json: bool) -> None:
             "majors_per_s": statistics.median(speeds) / design.samples_per_major,
             "slowest": min(speeds),
             "fastest": max(speeds),
+            "clocks_per_s": statistics.median(speeds) / task.samples * task.clocks
+            if task.clocks
+            else None,
         }
     machine = f"{platform.machine()}, {os.cpu_count()} processors, Python"
     machine += f" {platform.python_version()}, numpy {np.__version__}"
@@ -138,12 +155,16 @@ def _table(data: dict[str, Any]) -> Table:
         caption_justify="left",
     )
     table.add_column("")
-    for column in ("samples/s", "slowest", "fastest", "results/s", "samples a run"):
+    for column in ("samples/s", "slowest", "fastest", "results/s", "clocks/s", "samples a run"):
         table.add_column(column, justify="right")
     for name, row in data["speeds"].items():
-        speeds = (row["samples_per_s"], row["slowest"], row["fastest"], row["majors_per_s"])
+        speeds = [row["samples_per_s"], row["slowest"], row["fastest"], row["majors_per_s"]]
+        clocks = row["clocks_per_s"]
         table.add_row(
-            name, *(terminal.three_digits(speed) for speed in speeds), f"{row['samples']:,}"
+            name,
+            *(terminal.three_digits(speed) for speed in speeds),
+            terminal.three_digits(clocks) if clocks else "",
+            f"{row['samples']:,}",
         )
     return table
 

@@ -26,6 +26,7 @@ VERBS = (
     "navigate",
     "analyze",
     "advise",
+    "place",
     "demo",
 )
 """In the order of the work; verb V is the click command `command` of `sculler.commands.V`."""

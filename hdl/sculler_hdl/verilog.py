@@ -14,7 +14,7 @@ import hashlib
 import re
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib.metadata import version
 from typing import Any
@@ -23,9 +23,15 @@ from amaranth import Shape
 from amaranth.back import rtlil
 from amaranth.lib.wiring import In
 
-from sculler_hdl.core import PipelinedCore, port_members
+from sculler_hdl.core import build_core
+from sculler_hdl.ports import port_members
 from sculler_hdl.rtlil_widths import equal_widths
+from sculler_hdl.target import cell_models
+from sculler_model.cycles import Timing
 from sculler_model.design import Design
+from sculler_model.stream import WORD_BITS, words_per_column
+from sculler_model.throughput import clocks_per_major, clocks_per_minor
+from sculler_model.vectors import COLUMNS
 
 
 @dataclass(frozen=True)
@@ -35,10 +41,14 @@ class Generated:
     Attributes:
         verilog: the text of NAME.v.
         manifest: the content of NAME.json (see `generate`).
+        cells: behavioural Verilog of the vendor blocks that the text instantiates, by block.
+        listing: the compact core's schedule, for people to read; None for the pipelined core.
     """
 
     verilog: str
     manifest: dict[str, Any]
+    cells: dict[str, str]
+    listing: str | None
 
 
 @lru_cache(maxsize=32)
@@ -48,14 +58,17 @@ def generate(design: Design) -> Generated:
     The manifest holds the design, the tap table, every port with direction, width, signedness and
     meaning, scale factors, latency and throughput in clocks, word lengths, tool versions and the
     SHA-256 of the Verilog text.
+
+    Raises:
+        InputError: `hardware.multipliers` are too few.
     """
-    core = PipelinedCore(design)
-    latency = core.latency
+    core = build_core(design)
+    timing: Timing = core.timing
     text = rtlil.convert(core, name=design.name, emit_src=False)
     ports = describe_ports(design)
     flat = equal_widths(_yosys(_FLATTEN, text, design.name))
     body = _tidy(_yosys(_WRITE, flat, design.name), ports)
-    verilog = _header(design, latency, ports) + body
+    verilog = _header(design, timing, ports) + body
     words = design.words
     manifest = {
         "name": design.name,
@@ -70,10 +83,13 @@ def generate(design: Design) -> Generated:
             "Dc": design.table.denominator,
             "Dw": design.table.sum_denominator,
         },
-        "latency_clocks": latency,
-        "clocks_per_sample": 1,
+        "latency_clocks": timing.latency,
         "samples_per_major": design.samples_per_major,
-        "clocks_per_major": max(design.samples_per_major, latency + 1),
+        "clocks_per_minor": clocks_per_minor(design, timing),
+        "clocks_per_major": clocks_per_major(design, timing),
+        "timing": asdict(timing),
+        "resources": core.resources,
+        "stream": _stream(design),
         "word_lengths": {
             name: {
                 "bits": getattr(words, name).bits,
@@ -86,7 +102,27 @@ def generate(design: Design) -> Generated:
         "design_sha256": design.digest,
         "verilog_sha256": hashlib.sha256(verilog.encode()).hexdigest(),
     }
-    return Generated(verilog, manifest)
+    return Generated(verilog, manifest, _cells(verilog), core.listing)
+
+
+def _stream(design: Design) -> dict[str, Any] | None:
+    """How a result becomes words, if it does."""
+    if design.hardware.handover == "parallel":
+        return None
+    return {
+        "word_bits": WORD_BITS,
+        "words_per_column": words_per_column(design),
+        "columns": list(COLUMNS),
+    }
+
+
+def _cells(verilog: str) -> dict[str, str]:
+    """The models of those vendor blocks that the text instantiates."""
+    return {
+        name: text
+        for name, text in cell_models().items()
+        if re.search(rf"^  {name} ", verilog, re.M)
+    }
 
 
 def describe_ports(design: Design) -> list[dict[str, Any]]:
@@ -113,8 +149,10 @@ _MEANINGS = {
     "sample_valid": "a sample is offered",
     "sample_ready": "the offered sample is taken in this clock",
     "sample_fault": "the sensor marks this sample; shown in result_status bit 1",
-    "result_valid": "a result waits",
-    "result_ready": "the host takes the waiting result in this clock",
+    "result_valid": "a result, or a word of it, waits",
+    "result_ready": "the host takes what waits in this clock",
+    "result_data": "a word of the result, 16 bits; columns in order, least significant word first",
+    "result_last": "this word is the result's last",
     "result_major": "number of the major interval, from 0 after reset",
     "result_status": "bit 0: history reached before the first sample; bit 1: a sample had fault",
 }
@@ -173,7 +211,11 @@ def _yosys(script: str, text: str, top: str) -> str:
 
 
 def _tidy(verilog: str, ports: list[dict[str, Any]]) -> str:
-    """Ports in our order, registers started by `initial` statements, no tool banner."""
+    """Ports in our order, registers started by `initial` statements, no tool banner.
+
+    Memories are marked as never depending on a word read as it is written, which saves iCE40
+    synthesis the logic to make sure of it.
+    """
     verilog = re.sub(r"^/\* Generated by .*? \*/\n+", "", verilog)
     names = ",\n  ".join(str(port["name"]) for port in ports)
     verilog = re.sub(
@@ -183,6 +225,9 @@ def _tidy(verilog: str, ports: list[dict[str, Any]]) -> str:
         count=1,
         flags=re.M | re.S,
     )
+    verilog = re.sub(
+        r"^  (reg (?:\[\d+:0\] )?\S+ *\[\d+:0\];)$", r"  (* no_rw_check *) \1", verilog, flags=re.M
+    )
     return re.sub(
         r"^  reg (?P<range>\[[^]]*\] )?(?P<name>\S+ ?) = (?P<value>[^;]+);$",
         r"  reg \g<range>\g<name>;\n  initial \g<name> = \g<value>;",
@@ -191,8 +236,9 @@ def _tidy(verilog: str, ports: list[dict[str, Any]]) -> str:
     )
 
 
-def _header(design: Design, latency: int, ports: list[dict[str, Any]]) -> str:
-    algorithm, sensor = design.algorithm, design.sensor
+def _header(design: Design, timing: Timing, ports: list[dict[str, Any]]) -> str:
+    algorithm, sensor, hardware = design.algorithm, design.sensor, design.hardware
+    rate = clocks_per_minor(design, timing)
     lines = [
         f"{design.name}: exact coning/sculling accumulators, generated by sculler",
         "",
@@ -201,7 +247,9 @@ def _header(design: Design, latency: int, ports: list[dict[str, Any]]) -> str:
         f"gyro {sensor.gyro.bits} bits, accelerometer {sensor.accel.bits} bits,"
         f" {sensor.kind} samples",
         f"taps over {design.table.denominator}, weights over {design.table.sum_denominator}",
-        f"one sample per clock; result_valid {latency} clocks after an interval's last sample",
+        f"{hardware.core} core, target {hardware.target};"
+        f" {rate} clocks per minor interval of {algorithm.samples} samples;"
+        f" result_valid {timing.latency} clocks after a major interval's last sample",
         f"design SHA-256 {design.digest}",
         "",
         "Signed ports are two's complement.",

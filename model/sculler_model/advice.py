@@ -61,8 +61,8 @@ class Cost:
             axes, both sensors); a minor interval's work.
         multiplications: a sample, on average.
         widest: bits of the widest accumulator.
-        area: full adders of the products and tap sums as the pipelined core builds them, and bits
-            of its history and accumulators.
+        area: full adders of all products and tap sums, each counted once whatever is shared,
+            and bits of history and accumulators.
         work: full-adder operations a second.
     """
 

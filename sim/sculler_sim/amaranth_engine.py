@@ -10,11 +10,11 @@ from typing import Any
 from amaranth.hdl import ClockDomain, Module
 from amaranth.sim import Simulator
 
-from sculler_hdl.core import PipelinedCore
-from sculler_model.cycles import Ports
+from sculler_hdl.core import build_core
+from sculler_model.cycles import Ports, result_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.vectors import AXES, COLUMNS
+from sculler_model.vectors import AXES
 from sculler_sim.files import replacing
 from sculler_sim.surroundings import Inputs, Surroundings
 
@@ -54,12 +54,13 @@ def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) ->
     """The core among its surroundings; what the ports show is appended to `seen`."""
     top = Module()
     top.domains.sync = domain = ClockDomain("sync")
-    top.submodules.core = core = PipelinedCore(design)
+    top.submodules.core = core = build_core(design, primitive=False)
     sample_ports = [
         getattr(core, f"sample_{sensor}_{axis}") for sensor in ("gyro", "accel") for axis in AXES
     ]
     shown = [core.sample_ready, core.result_valid]
-    results = [getattr(core, f"result_{column}") for column in COLUMNS]
+    results = [getattr(core, f"result_{port}") for port in result_ports(design)]
+    stream = design.hardware.handover == "stream"
 
     def drive(ctx: Any, now: Inputs) -> None:
         ctx.set(core.sample_valid, now.sample_valid)
@@ -75,6 +76,8 @@ def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) ->
     async def drive_and_watch(ctx: Any) -> None:
         drive(ctx, surroundings.inputs)
         async for _, _, ready, valid, *result in ctx.tick().sample(*shown, *results):
+            if stream and not valid:
+                result = [0] * len(results)  # the ports mean nothing
             ports = Ports(ready, valid, tuple(result))
             seen.append(ports)
             surroundings.clocked(ports)

@@ -7,6 +7,7 @@ The rules of a run, whatever the engine:
   result is taken in a clock with `result_valid`, `result_ready` and not `rst`.
 * While nothing is offered the sample ports show the next sample's complement, with `fault` set:
   a core that looked at them then would give itself away.
+* A result that comes as a stream of words is taken with its last word.
 * After the last sample the run goes on until the results of all complete major intervals have
   been taken.
 """
@@ -20,7 +21,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_hdl.core import core_latency
+from sculler_hdl.core import timing
 from sculler_model.blocks import VectorBlock, component_dtype
 from sculler_model.cycles import CycleModel, Ports
 from sculler_model.design import Design
@@ -82,8 +83,8 @@ def simulate(
 
     Raises (in the iteration):
         InputError: a chunk of wrong shape, a count outside the sensor's width, a missing tool, a
-            wave file that cannot be written.
-        SimulationError: the core hangs.
+            wave file that cannot be written, fewer multipliers than the core needs.
+        SimulationError: the core hangs, or its stream of words is not as it should be.
     """
     stimulus = stimulus or Stimulus.always()
     checked = check_chunks(design, chunks)
@@ -119,8 +120,8 @@ def trace(
     checked = check_chunks(design, [(counts, faults)])
     if engine == "verilator":
         return verilator_engine.trace(design, checked, stimulus, clocks)
-    surroundings = Surroundings(design, checked, stimulus, Progress(), clocks)
-    return PortTrace.from_ports(list(_clocks(design, surroundings, engine, None)))
+    surroundings = Surroundings(design, timing(design), checked, stimulus, Progress(), clocks)
+    return PortTrace.from_ports(design, list(_clocks(design, surroundings, engine, None)))
 
 
 def _stream(
@@ -132,7 +133,7 @@ def _stream(
     wave: Path | None,
 ) -> Iterator[VectorBlock]:
     """Results of a clock-by-clock engine, in blocks."""
-    surroundings = Surroundings(design, chunks, stimulus, progress)
+    surroundings = Surroundings(design, timing(design), chunks, stimulus, progress)
     taken = surroundings.taken
     for _ in _clocks(design, surroundings, engine, wave):
         if len(taken) >= _RESULTS:
@@ -163,7 +164,7 @@ def _clocks(
 
 
 def _model_clocks(design: Design, surroundings: Surroundings) -> Iterator[Ports]:
-    model = CycleModel(design, core_latency(design))
+    model = CycleModel(design, timing(design))
     while not surroundings.done:
         now = surroundings.inputs
         offered = now.sample if now.sample_valid else None

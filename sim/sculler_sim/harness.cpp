@@ -2,16 +2,26 @@
 //
 // Follows the model and, for each design, definitions that `verilator_build.py` writes:
 //   SCULLER_SAMPLES(X)  X(member, bits) for each of the six counts, in the log's order
+// and, where the hand-over is parallel,
 //   SCULLER_RESULTS(X)  X(member, bits) for each of the 18 components, in the vectors' order
 //   SCULLER_LIMBS       64-bit words that a component takes in a row
+// or, where it is a stream,
+//   SCULLER_WORDS       words of a result
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <type_traits>
 
 namespace {
 
+#ifdef SCULLER_WORDS
+constexpr int64_t ROW = SCULLER_WORDS;
+constexpr int64_t SHOWN = 2;  // data, last
+#else
 constexpr int64_t ROW = 2 + 18 * SCULLER_LIMBS;  // major, status, components (limbs low to high)
+constexpr int64_t SHOWN = ROW;
+#endif
 
 struct Core {
     VerilatedContext context;
@@ -20,6 +30,8 @@ struct Core {
     SCULLER_TRACE wave;
 #endif
     bool held = false;  // a sample is offered and not yet taken
+    int64_t words = 0;  // taken of the result under way
+    uint64_t result[ROW];
     uint64_t clocks = 0;
 
     static VerilatedContext* start(VerilatedContext& context) {
@@ -65,6 +77,28 @@ uint64_t sign_extended(uint64_t value, int bits) {
     return static_cast<uint64_t>(static_cast<int64_t>(value << unused) >> unused);
 }
 
+// What the host has when it has taken what the result ports show: a result or a part of one, or,
+// where result_last is not where it belongs, nothing of use.
+enum class Taken { whole, part, wrong };
+
+#ifdef SCULLER_WORDS
+
+void read_ports(const Core& core, uint64_t* shown) {
+    const bool valid = core.top.result_valid;  // without it the others mean nothing
+    shown[0] = valid ? core.top.result_data : 0;
+    shown[1] = valid && core.top.result_last;
+}
+
+Taken take_result(Core& core) {
+    core.result[core.words++] = core.top.result_data;
+    const bool whole = core.words == ROW;
+    if (whole != core.top.result_last) return Taken::wrong;
+    if (whole) core.words = 0;
+    return whole ? Taken::whole : Taken::part;
+}
+
+#else
+
 template <class Port>
 std::enable_if_t<std::is_integral_v<Port>> read(const Port& port, int bits, uint64_t* limbs) {
     limbs[0] = sign_extended(port, bits);
@@ -88,7 +122,7 @@ void read(const VlWide<Words>& port, int bits, uint64_t* limbs) {
     }
 }
 
-void read_result(Core& core, uint64_t* row) {
+void read_ports(const Core& core, uint64_t* row) {
     *row++ = core.top.result_major;
     *row++ = core.top.result_status;
 #define READ(member, bits)              \
@@ -97,6 +131,13 @@ void read_result(Core& core, uint64_t* row) {
     SCULLER_RESULTS(READ)
 #undef READ
 }
+
+Taken take_result(Core& core) {
+    read_ports(core, core.result);
+    return Taken::whole;
+}
+
+#endif
 
 void drive_sample(Core& core, const int32_t* counts, uint8_t fault, bool valid) {
     const int64_t flip = valid ? 0 : -1;  // what is not offered shows its complement
@@ -147,11 +188,12 @@ EXPORT void sculler_destroy(Core* core) {
 //   counts, faults: samples x 6 and samples
 //   interval: samples in a major interval
 //   rows, capacity: room for that many results taken, ROW words each
-//   handshakes, shown: null, or clocks x (sample_ready, result_valid) and clocks x ROW
+//   handshakes, shown: null, or clocks x (sample_ready, result_valid) and clocks x SHOWN
 // With `shown` it runs all the clocks and puts down the ports in each of them.  Otherwise it ends
 // earlier: after the clock that takes the last sample; if there are none, as soon as all complete
 // intervals' results have been taken; or when `rows` is full.
-EXPORT void sculler_run(Core* core, const int32_t* counts, const uint8_t* faults, int64_t samples,
+// Returns 0; or, as soon as result_last is wrong, the words taken of that result.
+EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* faults, int64_t samples,
                         int64_t interval, const Levels* levels, int64_t clocks, uint64_t* rows,
                         int64_t capacity, uint8_t* handshakes, uint64_t* shown,
                         Progress* progress) {
@@ -174,14 +216,15 @@ EXPORT void sculler_run(Core* core, const int32_t* counts, const uint8_t* faults
         if (shown) {
             *handshakes++ = top.sample_ready;
             *handshakes++ = top.result_valid;
-            read_result(*core, shown);
-            shown += ROW;
+            read_ports(*core, shown);
+            shown += SHOWN;
         }
         core->held = valid;
         ++p.clocks;
         ++p.idle;
         if (rst) {
             p.since_reset = p.results_since_reset = 0;
+            core->words = 0;
         } else {
             if (valid && top.sample_ready) {
                 core->held = false;
@@ -191,13 +234,18 @@ EXPORT void sculler_run(Core* core, const int32_t* counts, const uint8_t* faults
                 p.idle = 0;
             }
             if (take && top.result_valid) {
-                if (!shown) read_result(*core, rows + ROW * taken++);
-                ++p.results;
-                ++p.results_since_reset;
                 p.idle = 0;
+                const Taken what = take_result(*core);
+                if (what == Taken::wrong) return core->words;
+                if (what == Taken::whole) {
+                    if (!shown) std::copy_n(core->result, ROW, rows + ROW * taken++);
+                    ++p.results;
+                    ++p.results_since_reset;
+                }
             }
         }
         core->rise();
     }
     *progress = p;
+    return 0;
 }

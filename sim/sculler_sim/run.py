@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.cycles import Ports
+from sculler_model.cycles import Ports, Timing, result_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.golden import check_widths
-from sculler_model.vectors import COLUMNS
 from sculler_sim.stimulus import Stimulus
 
 Chunk = tuple[NDArray[Any], NDArray[Any] | None]
@@ -24,7 +23,13 @@ CheckedChunk = tuple[NDArray[np.int32], NDArray[np.uint8]]
 
 
 class SimulationError(RuntimeError):
-    """The simulated core broke its contract: it stopped taking samples or giving results."""
+    """The simulated core broke its contract: it stopped, or miscounted the words of a result."""
+
+
+def wrong_last(words: int, wanted: int) -> SimulationError:
+    """The error of a stream whose `result_last` is not where it belongs, at that many words."""
+    level = "low" if words == wanted else "high"
+    return SimulationError(f"result_last is {level} with word {words} of {wanted} of a result")
 
 
 @dataclass
@@ -35,9 +40,9 @@ class Progress:
         clocks: clocks run.
         samples: samples the core has taken.
         since_reset: those of them since the last reset.
-        results: results taken.
+        results: results taken, to their last word.
         results_since_reset: those of them since the last reset.
-        idle: clocks since a sample or a result was last taken.
+        idle: clocks since a sample, a result or a word of one was last taken.
     """
 
     clocks: int = 0
@@ -51,9 +56,9 @@ class Progress:
         """Whether every complete major interval's result has been taken."""
         return self.results_since_reset >= self.since_reset // design.samples_per_major
 
-    def check_alive(self, stimulus: Stimulus) -> None:
-        """Raise SimulationError if nothing has moved for much longer than the stimulus explains."""
-        if self.idle > 100_000 + 32 * stimulus.longest:
+    def check_alive(self, stimulus: Stimulus, timing: Timing) -> None:
+        """Raise SimulationError if nothing has moved for much longer than the two explain."""
+        if self.idle > 50_000 + 32 * stimulus.longest + 4 * timing.longest_wait:
             raise SimulationError(
                 f"the core hangs: no sample and no result taken for {self.idle} clocks after"
                 f" sample {self.samples}"
@@ -99,20 +104,24 @@ class PortTrace:
 
     Attributes:
         sample_ready, result_valid: (clocks,) of 0 and 1.
-        result: (clocks, 20) Python integers in the order of `COLUMNS`, signed as the ports are.
+        result: (clocks, ports) Python integers as in `Ports.result`, signed as the ports are.
+        ports: names of the result ports, `sculler_model.cycles.result_ports`.
     """
 
     sample_ready: NDArray[np.uint8]
     result_valid: NDArray[np.uint8]
     result: NDArray[np.object_]
+    ports: tuple[str, ...]
 
     @classmethod
-    def from_ports(cls, ports: list[Ports]) -> PortTrace:
+    def from_ports(cls, design: Design, shown: list[Ports]) -> PortTrace:
         """Collect what the ports showed clock by clock."""
+        names = result_ports(design)
         return cls(
-            np.array([p.sample_ready for p in ports], np.uint8),
-            np.array([p.result_valid for p in ports], np.uint8),
-            np.array([p.result for p in ports], object).reshape(-1, len(COLUMNS)),
+            np.array([ports.sample_ready for ports in shown], np.uint8),
+            np.array([ports.result_valid for ports in shown], np.uint8),
+            np.array([ports.result for ports in shown], object).reshape(-1, len(names)),
+            names,
         )
 
     def __len__(self) -> int:
@@ -121,7 +130,7 @@ class PortTrace:
     def first_difference(self, other: PortTrace) -> tuple[int, str, int, int] | None:
         """First unequal port as (clock, port, ours, theirs), or None; compares common clocks."""
         common = min(len(self), len(other))
-        names = ("sample_ready", "result_valid", *(f"result_{column}" for column in COLUMNS))
+        names = ("sample_ready", "result_valid", *(f"result_{port}" for port in self.ports))
         ours, theirs = (
             np.column_stack([t.sample_ready[:common], t.result_valid[:common], t.result[:common]])
             for t in (self, other)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from sculler_model.cycles import Ports
+from sculler_model.cycles import Ports, Timing
 from sculler_model.design import Design
 from sculler_model.golden import Sample
-from sculler_sim.run import CheckedChunk, Progress
+from sculler_model.stream import from_words, words_per_result
+from sculler_sim.run import CheckedChunk, Progress, wrong_last
 from sculler_sim.stimulus import Stimulus
 
 _LEVELS = 1 << 12  # clocks of stimulus made at a time
@@ -31,6 +32,7 @@ class Surroundings:
 
     Args:
         design: the design.
+        timing: the core's clocks, which tell a slow core from one that hangs.
         chunks: the samples.
         stimulus: levels of the handshakes and the reset.
         progress: counted up as the run goes on.
@@ -39,18 +41,24 @@ class Surroundings:
     Attributes:
         inputs: the levels of the present clock.
         taken: results the host has taken, (major, status, 18 components) each; clear at will.
+
+    Raises (by `clocked`):
+        SimulationError: the core hangs, or marks a wrong word as a result's last.
     """
 
     def __init__(
         self,
         design: Design,
+        timing: Timing,
         chunks: Iterator[CheckedChunk],
         stimulus: Stimulus,
         progress: Progress,
         clocks: int | None = None,
     ) -> None:
         self.taken: list[tuple[int, ...]] = []
+        self._words: list[int] = []  # of the result that is being taken
         self._design = design
+        self._timing = timing
         self._stimulus = stimulus
         self._progress = progress
         self._clocks = clocks
@@ -76,6 +84,7 @@ class Surroundings:
         self._held = valid
         if rst:
             run.since_reset = run.results_since_reset = 0
+            self._words.clear()
         else:
             if valid and ports.sample_ready:
                 self._next = next(self._samples, None)
@@ -84,13 +93,27 @@ class Surroundings:
                 run.since_reset += 1
                 run.idle = 0
             if take and ports.result_valid:
-                self.taken.append(ports.result)
-                run.results += 1
-                run.results_since_reset += 1
                 run.idle = 0
+                self._take(ports.result)
         if self._clocks is None:
-            run.check_alive(self._stimulus)
+            run.check_alive(self._stimulus, self._timing)
         self.inputs = self._present()
+
+    def _take(self, shown: tuple[int, ...]) -> None:
+        """The host takes what the result ports show: a result, or one of its words."""
+        if self._design.hardware.handover == "stream":
+            word, last = shown
+            self._words.append(word)
+            wanted = words_per_result(self._design)
+            if bool(last) != (len(self._words) == wanted):
+                raise wrong_last(len(self._words), wanted)
+            if not last:
+                return
+            shown = from_words(self._design, self._words)
+            self._words.clear()
+        self.taken.append(shown)
+        self._progress.results += 1
+        self._progress.results_since_reset += 1
 
     def _present(self) -> Inputs:
         offer, take, rst = next(self._levels)

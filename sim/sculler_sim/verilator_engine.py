@@ -16,12 +16,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler_hdl.core import timing
 from sculler_model.blocks import VectorBlock
+from sculler_model.cycles import result_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.vectors import COMPONENTS
+from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
+from sculler_model.vectors import COLUMNS, COMPONENTS
 from sculler_sim.files import replacing
-from sculler_sim.run import CheckedChunk, PortTrace, Progress
+from sculler_sim.run import CheckedChunk, PortTrace, Progress, wrong_last
 from sculler_sim.stimulus import Levels, Stimulus
 from sculler_sim.verilator_build import build, limbs
 
@@ -88,7 +91,11 @@ class _Core:
         self._design = design
         self._stimulus = stimulus
         self._progress = progress
-        self._row = 2 + len(COMPONENTS) * limbs(design)
+        self._timing = timing(design)
+        self._stream = design.hardware.handover == "stream"
+        self._row = (
+            words_per_result(design) if self._stream else 2 + len(COMPONENTS) * limbs(design)
+        )
         self._capacity = _CLOCKS // design.samples_per_major + 2
         self._rows = np.empty((self._capacity, self._row), np.uint64)
         self._levels = stimulus.levels(0, _CLOCKS)
@@ -98,6 +105,7 @@ class _Core:
         except OSError as error:
             raise InputError(f"cannot load the simulator ({error}), delete {library}") from error
         self._library.sculler_create.restype = ctypes.c_void_p
+        self._library.sculler_run.restype = ctypes.c_int64
         self._handle = ctypes.c_void_p(
             self._library.sculler_create(b"" if wave is None else os.fsencode(wave))
         )
@@ -119,7 +127,7 @@ class _Core:
         clock = progress.clocks - self._levels_from
         before = progress.results
         self._call(counts, faults, _Levels.at(self._levels, clock), _CLOCKS - clock, None, None)
-        progress.check_alive(self._stimulus)
+        progress.check_alive(self._stimulus, self._timing)
         if progress.results > before:
             yield self._block(self._rows[: progress.results - before])
 
@@ -127,12 +135,14 @@ class _Core:
         """All ports on exactly so many clocks."""
         levels = self._stimulus.levels(0, clocks)
         handshakes = np.empty((clocks, 2), np.uint8)
-        shown = np.empty((clocks, self._row), np.uint64)
+        ports = result_ports(self._design)
+        shown = np.empty((clocks, len(ports) if self._stream else self._row), np.uint64)
         self._call(counts, faults, _Levels.at(levels, 0), clocks, handshakes, shown)
-        result = np.empty((clocks, 2 + len(COMPONENTS)), object)
+        result = np.empty((clocks, len(ports)), object)
         result[:, :2] = shown[:, :2]
-        result[:, 2:] = self._components(shown)
-        return PortTrace(handshakes[:, 0], handshakes[:, 1], result)
+        if not self._stream:
+            result[:, 2:] = self._components(shown)
+        return PortTrace(handshakes[:, 0], handshakes[:, 1], result, ports)
 
     def _call(
         self,
@@ -145,7 +155,7 @@ class _Core:
     ) -> None:
         names = Progress.__dataclass_fields__
         counters = _Counters(*(getattr(self._progress, name) for name in names))
-        self._library.sculler_run(
+        words = self._library.sculler_run(
             self._handle,
             _address(counts),
             _address(faults),
@@ -159,12 +169,28 @@ class _Core:
             _address(shown),
             ctypes.byref(counters),
         )
+        if words:
+            raise wrong_last(words, words_per_result(self._design))
         for name in names:
             setattr(self._progress, name, getattr(counters, name))
 
     def _block(self, rows: NDArray[np.uint64]) -> VectorBlock:
+        if self._stream:
+            rows = self._from_words(rows)
         major, status = rows[:, :2].astype(np.int64).T
         return VectorBlock(major, status, self._components(rows))
+
+    def _from_words(self, words: NDArray[np.uint64]) -> NDArray[np.uint64]:
+        """Results as the parallel hand-over gives them, from their words."""
+        count = words_per_column(self._design)
+        columns = words.reshape(len(words), len(COLUMNS), count)
+        sign = (columns[:, :, -1] >> np.uint64(WORD_BITS - 1)) * np.uint64((1 << WORD_BITS) - 1)
+        sign[:, :2] = 0  # major and status have none
+        parts = 64 // WORD_BITS  # words in a limb
+        extended = np.concatenate([columns, *[sign[:, :, None]] * (-count % parts)], axis=2)
+        shifts = np.arange(0, 64, WORD_BITS, dtype=np.uint64)
+        limbs = (extended.reshape(len(words), len(COLUMNS), -1, parts) << shifts).sum(axis=3)
+        return np.hstack([limbs[:, :2, 0], limbs[:, 2:].reshape(len(words), -1)])
 
     def _components(self, rows: NDArray[np.uint64]) -> NDArray[Any]:
         """(R, 18) integers from two's-complement limbs, lowest first."""

@@ -33,7 +33,7 @@ def test_stim300_is_the_design_page() -> None:
             "accel": {"bits": 24, "lsb": 2.384186e-07},
         },
         "algorithm": {"family": "frequency-taylor", "samples": 4, "history": 0, "minors": 5},
-        "hardware": {"core": "pipelined"},
+        "hardware": {"core": "pipelined", "target": "generic", "handover": "parallel"},
     }
     assert design.major_interval == 0.01
 

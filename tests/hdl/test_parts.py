@@ -1,23 +1,28 @@
-"""Each part against plain integers: exhaustive where it is small, seeded extremes where not."""
+"""Each part alone against plain integers: exhaustive where it is small, seeded extremes where not.
+
+Every test checks the part's stated clocks as well: a word's bits are put on a port, and read from
+one, only in the clocks in which its `arrival` says they are there; at other times inputs are noise.
+"""
 
 import itertools
 import random
 
 import pytest
+from amaranth import Module
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
 from amaranth.sim import Simulator
 
-from sculler_hdl.core import PipelinedCore, core_latency
-from sculler_hdl.parts.accumulate import Accumulator
-from sculler_hdl.parts.cross import CrossSum
-from sculler_hdl.parts.delay import Delay
-from sculler_hdl.parts.handover import HandOver
-from sculler_hdl.parts.history import History
-from sculler_hdl.parts.multiply import Multiplier
+from sculler_hdl.parts.accumulate import Accumulation, Accumulator
+from sculler_hdl.parts.cross import SHARINGS, CrossArray, Crossing, Operand
+from sculler_hdl.parts.handover import HandOver, StreamHandOver
+from sculler_hdl.parts.multiply import Cut, Product, cuts
 from sculler_hdl.parts.sequencer import Sequencer
-from sculler_hdl.parts.weighted_sum import WeightedSum, signed_digits, terms_of
-from sculler_hdl.verilog import generate
-from sculler_model.design import Design
-from sculler_model.vectors import VECTORS
+from sculler_hdl.parts.weighted_sum import WeightedSum, Weighting, signed_digits, terms_of
+from sculler_hdl.parts.words import Addend, Sum, Word, at_once, limbs, spans
+from sculler_hdl.target import TARGETS
+from sculler_model.stream import from_words, words_per_column, words_per_result
+from sculler_model.vectors import AXES, COLUMNS, VECTORS
 from sculler_model.wordlength import Interval, word_lengths
 from strategies import DESIGNS
 
@@ -35,6 +40,60 @@ def extremes(interval, rng, count):
     return [rng.choice([*ends, rng.randint(interval.lo, interval.hi)]) for _ in range(count)]
 
 
+def skewed(bits, limb, clock=0):
+    """The arrival of a word whose limb q comes q clocks after `clock`."""
+    return tuple((hi - lo, clock + q) for q, lo, hi in limbs(bits, limb))
+
+
+def stream(part, inputs, outputs, clocks, flags=None):
+    """Put words on a part's ports and read words from it, each bit at its own clock.
+
+    Args:
+        inputs: port -> (arrival, {clock: integer}); the clock is the word's own clock 0.
+        outputs: name -> (port, arrival, {clock}), signed words.
+        clocks: how long.
+        flags: port -> {clocks} in which it is high.
+
+    Returns:
+        name -> {clock: integer}.
+    """
+    rng = random.Random(7)
+    seen = {name: [] for name in outputs}
+
+    async def bench(ctx):
+        for now in range(clocks):
+            for port, (arrival, values) in inputs:
+                shown = rng.getrandbits(sum(bits for bits, _ in arrival))
+                for lo, hi, clock in spans(arrival):
+                    if now - clock in values:
+                        mask = (1 << hi) - (1 << lo)
+                        shown = (shown & ~mask) | (values[now - clock] & mask)
+                ctx.set(port, shown)
+            for port, high in flags or ():
+                ctx.set(port, int(now in high))
+            _, _, *shown = await ctx.tick().sample(*(port for port, *_ in outputs.values()))
+            for name, value in zip(outputs, shown, strict=True):
+                seen[name].append(value)
+
+    run(part, bench)
+    words = {}
+    for name, (_, arrival, when) in outputs.items():
+        words[name] = {}
+        bits = sum(width for width, _ in arrival)
+        for start in when:
+            value = sum(
+                seen[name][start + clock] & ((1 << hi) - (1 << lo))
+                for lo, hi, clock in spans(arrival)
+            )
+            words[name][start] = value - (1 << bits) if value >> (bits - 1) else value
+    return words
+
+
+def cross(a, b):
+    """a x b."""
+    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+
 def test_signed_digits_are_the_value_and_sparse():
     for value in [*range(-300, 301), 10**30 + 7, -(2**90) + 1]:
         digits = signed_digits(value)
@@ -44,230 +103,408 @@ def test_signed_digits_are_the_value_and_sparse():
         assert {sign for _, sign in digits} <= {1, -1}
 
 
-def test_multiplier_every_product_of_small_words():
+class SumAlone(wiring.Component):
+    """A `Sum` with ports for its terms."""
+
+    def __init__(self, addends, result, limb):
+        self.sum = Sum(addends, result, limb)
+        bits = [sum(width for width, _ in addend.arrival) for addend in addends]
+        super().__init__(
+            {
+                **{f"term{i}": In(width) for i, width in enumerate(bits)},
+                "output": Out(result.bits),
+            }
+        )
+
+    def elaborate(self, platform):
+        m = Module()
+        terms = [getattr(self, f"term{i}") for i in range(len(self.sum.addends))]
+        m.d.comb += self.output.eq(self.sum.build(m, "sum", terms).value)
+        return m
+
+
+@pytest.mark.parametrize("limb", [5, 16, 64])
+@pytest.mark.parametrize("seed", range(8))
+def test_sum_of_any_terms(seed, limb):
+    """Signs, shifts and arrivals at random; also all negative, and one term alone."""
+    rng = random.Random(seed)
+    addends, values = [], []
+    for _ in range(1 if seed == 7 else rng.randint(2, 9)):
+        bits = rng.randint(3, 40)
+        arrival = skewed(bits, limb, rng.randint(0, 4)) if rng.random() < 0.5 else at_once(bits, 2)
+        negative = seed == 6 or rng.random() < 0.5
+        addends.append(Addend(Interval.signed(bits), arrival, rng.randint(0, 20), negative))
+        values.append(dict(enumerate(extremes(Interval.signed(bits), rng, 40))))
+    scaled = [a.range.scaled((-1 if a.negative else 1) << a.low) for a in addends]
+    part = SumAlone(addends, sum(scaled, Interval(0, 0)), limb)
+    inputs = [
+        (getattr(part, f"term{i}"), (a.arrival, v))
+        for i, (a, v) in enumerate(zip(addends, values, strict=True))
+    ]
+    clocks = 40 + max(clock for _, clock in part.sum.arrival)
+    seen = stream(part, inputs, {"sum": (part.output, part.sum.arrival, range(40))}, clocks)
+    signs = [(-1 if a.negative else 1) << a.low for a in addends]
+    assert seen["sum"] == {
+        t: sum(s * v[t] for s, v in zip(signs, values, strict=True)) for t in range(40)
+    }
+
+
+def test_sum_is_logarithmic_and_skew_costs_once():
+    """Ten terms of 64 bits in limbs of 16: four levels, and three clocks for three more limbs."""
+    addends = [Addend(Interval.signed(60), at_once(60)) for _ in range(10)]
+    made = Sum(addends, Interval.signed(64), 16)
+    assert made.arrival == ((16, 4), (16, 5), (16, 6), (16, 7))
+    late = [*addends, Addend(Interval.signed(60), at_once(60, 3))]
+    assert Sum(late, Interval.signed(64), 16).arrival[0] == (16, 5)
+
+
+class ProductAlone(wiring.Component):
+    """A `Product`'s blocks and rows with ports for the operands, added up by the test."""
+
+    def __init__(self, product):
+        self.product = product
+        widths = [sum(bits for bits, _ in addend.arrival) for addend in product.addends]
+        super().__init__(
+            {
+                "left": In(product.left.bits),
+                "right": In(product.right.bits),
+                **{f"term{i}": Out(width) for i, width in enumerate(widths)},
+            }
+        )
+
+    def elaborate(self, platform):
+        m = Module()
+        product = self.product
+        left = Word(m, "left", self.left, product.left_arrival)
+        right = Word(m, "right", self.right, product.right_arrival)
+        for i, value in enumerate(product.build(m, "unit", left, right, primitive=False)):
+            m.d.comb += getattr(self, f"term{i}").eq(value)
+        return m
+
+
+def products_seen(product, lefts, rights):
+    part = ProductAlone(product)
+    count = len(lefts)
+    inputs = [
+        (part.left, (product.left_arrival, dict(enumerate(lefts)))),
+        (part.right, (product.right_arrival, dict(enumerate(rights)))),
+    ]
+    outputs = {
+        i: (getattr(part, f"term{i}"), addend.arrival, range(count))
+        for i, addend in enumerate(product.addends)
+    }
+    clocks = count + max(c for addend in product.addends for _, c in addend.arrival) + 1
+    seen = stream(part, inputs, outputs, clocks)
+    assert all(seen[i][t] in a.range for i, a in enumerate(product.addends) for t in range(count))
+    return [
+        sum(seen[i][t] << addend.low for i, addend in enumerate(product.addends))
+        for t in range(count)
+    ]
+
+
+def test_product_of_every_pair_of_small_words():
     left, right = Interval.signed(5), Interval.signed(4)
-    part = Multiplier(left, right)
     pairs = list(itertools.product(range(left.lo, left.hi + 1), range(right.lo, right.hi + 1)))
-    seen = []
-
-    async def bench(ctx):
-        for a, b in pairs + [(0, 0)] * part.latency:
-            ctx.set(part.left, a)
-            ctx.set(part.right, b)
-            _, _, product = await ctx.tick().sample(part.output)
-            seen.append(product)
-
-    run(part, bench)
-    assert seen[part.latency :] == [a * b for a, b in pairs]
+    product = Product(TARGETS["generic"], left, right, at_once(5), at_once(4))
+    assert (product.tiles, product.rows) == (1, 0)
+    lefts, rights = zip(*pairs, strict=True)
+    assert products_seen(product, lefts, rights) == [a * b for a, b in pairs]
 
 
-@pytest.mark.parametrize("bits", [(33, 24), (90, 32)])
-def test_multiplier_extremes_of_wide_words(bits):
+@pytest.mark.parametrize(
+    ("target", "bits", "tiles", "rows"),
+    [
+        ("generic", (18, 18), 1, 0),
+        ("ecp5", (33, 24), 2, 6),  # 24 = 6 + 18, 33 = 17 + 16
+        ("ecp5", (26, 18), 1, 8),
+        ("ecp5", (27, 18), 2, 0),
+        ("ecp5", (29, 26), 2, 8),
+        ("ecp5", (41, 32), 4, 6),
+        ("ice40", (33, 24), 3, 8),  # 33 = 15 + 15 + 3, 24 = 8 + 16
+        ("xilinx", (33, 24), 2, 0),  # 33 = 17 + 16 on the narrow side, 24 whole on the wide one
+        ("generic", (90, 32), 10, 4),  # 90 = 4 + 4 * 17 + 18, 32 = 17 + 15
+    ],
+)
+def test_product_of_wide_words(target, bits, tiles, rows):
     left, right = map(Interval.signed, bits)
-    part = Multiplier(left, right)
+    limb = 20
+    product = Product(TARGETS[target], left, right, skewed(bits[0], limb, 1), skewed(bits[1], limb))
+    assert (product.tiles, product.rows) == (tiles, rows)
     rng = random.Random(1)
-    pairs = list(zip(extremes(left, rng, 60), extremes(right, rng, 60), strict=True))
-    seen = []
-
-    async def bench(ctx):
-        for a, b in pairs + [(0, 0)] * part.latency:
-            ctx.set(part.left, a)
-            ctx.set(part.right, b)
-            _, _, product = await ctx.tick().sample(part.output)
-            seen.append(product)
-
-    run(part, bench)
-    assert seen[part.latency :] == [a * b for a, b in pairs]
-
-
-@pytest.mark.parametrize("count", [1, 2])
-def test_cross_sum(count):
-    pairs = [(Interval.signed(13), Interval(-7, 9)), (Interval.signed(6), Interval.signed(11))]
-    pairs = pairs[:count]
-    part = CrossSum(*pairs)
-    rng = random.Random(2)
-    items = [
-        [(extremes(left, rng, 3), extremes(right, rng, 3)) for left, right in pairs]
-        for _ in range(200)
+    lefts, rights = extremes(left, rng, 80), extremes(right, rng, 80)
+    assert products_seen(product, lefts, rights) == [
+        a * b for a, b in zip(lefts, rights, strict=True)
     ]
-    seen = []
 
-    async def bench(ctx):
-        for item in items + [items[0]] * part.latency:
-            for i, (left, right) in enumerate(item):
-                for axis in range(3):
-                    ctx.set(getattr(part, f"left{i}")[axis], left[axis])
-                    ctx.set(getattr(part, f"right{i}")[axis], right[axis])
-            _, _, *out = await ctx.tick().sample(*(part.output[axis] for axis in range(3)))
-            seen.append(out)
 
-    run(part, bench)
-    expected = [
-        [
-            sum(
-                a[(axis + 1) % 3] * b[(axis + 2) % 3] - a[(axis + 2) % 3] * b[(axis + 1) % 3]
-                for a, b in item
-            )
-            for axis in range(3)
-        ]
-        for item in items
-    ]
-    assert seen[part.latency :] == expected
+def test_operands_are_cut_whole():
+    for block in (16, 18, 25):
+        for bits in range(2, 120):
+            for cut in cuts(bits, block, 8):
+                assert cut.ends[0] == cut.fringe
+                assert cut.ends[-1] == bits
+                widths = [hi - lo for lo, hi in cut.pieces]
+                assert all(width == block - 1 for width in widths[:-1])
+                assert 1 <= widths[-1] <= block
+    assert cuts(24, 18, 8) == [Cut(0, (0, 17, 24)), Cut(6, (6, 24))]
+    assert cuts(24, 18, 4) == [Cut(0, (0, 17, 24))]
 
 
 ROWS = {
     "one term": {1: [(1, 1)]},
     "negative": {0: [(0, -3)]},
+    "minus one": {0: [(1, -1)]},
     "compressed": {3: [(1, 214), (2, 92), (3, 54)]},
+    "weights": {3: [(0, 1), (1, 1), (2, 1), (3, 1)]},
     "dense": {1: [(1, 57)], 2: [(1, 57), (2, 33)]},
-    "mixed signs": {0: [(1, -5), (2, 7)], 1: [(1, 5), (3, -7)], 2: [(2, -1)]},
+    "mixed signs": {0: [(1, -5), (2, 7)], 1: [(1, 5), (3, -7)], 2: [(2, -1)], 3: []},
 }
 
 
+@pytest.mark.parametrize("limb", [7, 64])
 @pytest.mark.parametrize("rows", ROWS.values(), ids=ROWS)
-def test_weighted_sum(rows):
-    counts, reach, phases = Interval.signed(9), 3, 4
+def test_weighted_sum(rows, limb):
+    counts, phases = Interval.signed(9), 4
     totals = [sum((counts.scaled(c) for _, c in row), Interval(0, 0)) for row in rows.values()]
     result = Interval(min(t.lo for t in totals), max(t.hi for t in totals))
-    part = WeightedSum(counts, reach, rows, result, phases)
+    plan = Weighting(counts, rows, result, phases, limb)
+    part = WeightedSum(plan)
     rng = random.Random(3)
-    items = [
-        (rng.choice(list(rows)), [extremes(counts, rng, 3) for _ in range(reach + 1)])
-        for _ in range(300)
-    ]
-    seen = []
+    samples = [extremes(counts, rng, 3) for _ in range(160)]
+    taken = sorted(rng.sample(range(300), len(samples)))  # clocks, some one after another
+    phase_of = {clock: i % phases for i, clock in enumerate(taken)}
+    inputs = [(part.phase, (at_once(2), phase_of))]
+    for axis in range(3):
+        values = {clock: sample[axis] for clock, sample in zip(taken, samples, strict=True)}
+        inputs.append((part.samples[axis], (at_once(counts.bits), values)))
+    shown = [clock for clock in taken if phase_of[clock] in rows]
+    outputs = {axis: (part.output[axis], plan.arrival, shown) for axis in range(3)}
+    seen = stream(part, inputs, outputs, 340, [(part.step, set(taken))])
 
-    async def bench(ctx):
-        for phase, samples in items + [items[0]] * part.latency:
-            ctx.set(part.phase, phase)
-            for d, sample in enumerate(samples):
-                for axis in range(3):
-                    ctx.set(part.samples[d][axis], sample[axis])
-            _, _, *out = await ctx.tick().sample(*(part.output[axis] for axis in range(3)))
-            seen.append(out)
+    def weighted(i, axis):
+        row = rows[i % phases]
+        return sum(c * (samples[i - d][axis] if i >= d else 0) for d, c in row)
 
-    run(part, bench)
-    assert seen[part.latency :] == [
-        [sum(c * samples[d][axis] for d, c in rows[phase]) for axis in range(3)]
-        for phase, samples in items
-    ]
-
-
-def test_weighted_sum_tree_is_logarithmic():
-    assert len(terms_of(ROWS["compressed"])) == 10  # 54, 92, 214 have 3, 3 and 4 signed digits
-    part = WeightedSum(Interval.signed(8), 3, ROWS["compressed"], Interval.signed(20), 4)
-    assert part.latency == 4
-
-    async def bench(ctx):
-        await ctx.tick()
-
-    run(part, bench)
+    for axis in range(3):
+        assert seen[axis] == {
+            clock: weighted(i, axis) for i, clock in enumerate(taken) if i % phases in rows
+        }
 
 
-def test_accumulator_restarts_adds_and_holds():
-    item = Interval(-10, 10)
-    part = Accumulator(item, item.repeated(5))
+def test_weighted_sum_is_there_when_its_largest_coefficient_is():
+    """54, 92, 214 have 3, 3 and 4 signed digits: two levels, whatever the number of samples."""
+    assert len(terms_of(ROWS["compressed"])) == 10
+    plan = Weighting(Interval.signed(8), ROWS["compressed"], Interval.signed(20), 4, 64)
+    assert plan.arrival == ((20, 2),)
+    # the newest sample's product joins in at clock 0
+    plan = Weighting(Interval.signed(8), ROWS["weights"], Interval.signed(10), 4, 64)
+    assert plan.arrival == ((10, 1),)
+
+
+@pytest.mark.parametrize("limb", [4, 64])
+@pytest.mark.parametrize(("sums", "signs"), [(1, False), (3, False), (1, True), (3, True)])
+def test_accumulator(sums, signs, limb):
+    item = Interval.signed(9)
+    plan = Accumulation(item, skewed(9, limb, 2), item.repeated(5), limb, sums=sums, signs=signs)
+    part = Accumulator(plan)
     rng = random.Random(4)
-    total, log = [0, 0, 0], []
+    steps, last, carry, values, after = set(), set(), set(), {}, {}
+    totals, clock = [0] * sums, 0
+    for launch in range(60):
+        for i in range(sums):
+            value, minus = extremes(item, rng, 1)[0], signs and rng.random() < 0.5
+            values[clock] = ~value if minus else value
+            steps.add(clock + plan.clock)
+            if minus:
+                carry.add(clock + plan.clock)
+            totals[i] += -value if minus else value
+            after[clock] = totals[i]
+            if launch % 5 == 4:
+                last.add(clock + plan.clock)
+                totals[i] = 0
+            clock += 1
+        clock += rng.choice([0, 0, 1, 3])
+    flags = [(part.step, steps), (part.last, last), (part.carry, carry)]
+    inputs = [(part.input, (plan.item_arrival, values))]
+    outputs = {"newest": (part.newest, plan.arrival, after)}
+    assert stream(part, inputs, outputs, clock + 20, flags)["newest"] == after
 
-    async def bench(ctx):
-        nonlocal total
-        since_start = 0
-        for _ in range(500):
-            start = since_start >= 5 or rng.random() < 0.1
-            step, add = rng.random() < 0.8, rng.random() < 0.7
-            value = [rng.randint(-10, 10) for _ in range(3)]
-            ctx.set(part.step, step)
-            ctx.set(part.start, start)
-            ctx.set(part.add, add)
+
+@pytest.mark.parametrize("gap", [1, 2, 3])
+def test_accumulator_shows_the_sum_before(gap):
+    item = Interval(-10, 10)
+    plan = Accumulation(item, at_once(item.bits), item.repeated(5), 3, item.repeated(4), gap=gap)
+    part = Accumulator(plan)
+    steps = range(0, 30 * gap, gap)
+    values = {t: (7 * t) % 21 - 10 for t in steps}
+    before = {t: sum(values[i] for i in steps if t - t % (5 * gap) <= i < t) for t in steps}
+    flags = [(part.step, set(steps)), (part.last, set(steps[4::5]))]
+    outputs = {"before": (part.before, plan.before_arrival, steps)}
+    inputs = [(part.input, (plan.item_arrival, values))]
+    assert stream(part, inputs, outputs, 30 * gap + 10, flags)["before"] == before
+
+
+OPERANDS = [
+    # widths of left0, left1, right0, right1; limb; target
+    ((33, 33, 24, 24), 20, "ecp5"),
+    ((28, 20, 25, 17), 20, "ecp5"),
+    ((12, 40, 9, 33), 16, "ice40"),
+    ((9, 8, 8, 9), 64, "generic"),
+]
+
+
+@pytest.mark.parametrize("sharing", SHARINGS, ids=lambda s: f"{s.steps} steps")
+@pytest.mark.parametrize(("bits", "limb", "target"), OPERANDS)
+def test_cross_array(sharing, bits, limb, target):
+    """Launches as close as they may be, a total restarted after every third."""
+    ranges = [Interval.signed(width) for width in bits]
+    left0, left1, right0, right1 = (
+        Operand(span, skewed(width, limb) if i < 2 else at_once(width, i % 2))
+        for i, (span, width) in enumerate(zip(ranges, bits, strict=True))
+    )
+
+    def span(left, right):
+        return (left.range * right.range - left.range * right.range).repeated(3)
+
+    totals = (span(left0, right0), span(left0, right1) + span(left1, right0))
+    plan = Crossing((left0, left1), (right0, right1), totals, sharing, TARGETS[target], limb, 8)
+    part = CrossArray(plan, primitive=False)
+    rng = random.Random(5)
+    launches = [i * sharing.steps for i in range(9)]
+    items = {t: [extremes(span, rng, 3) for span in ranges] for t in launches}
+    inputs = [
+        (getattr(part, name)[axis], (operand.arrival, {t: v[i][axis] for t, v in items.items()}))
+        for i, (name, operand) in enumerate(plan.operands.items())
+        for axis in range(3)
+    ]
+    ends = launches[2::3]
+    outputs = {
+        (name, axis): (getattr(part, name)[lane], arrival, ends)
+        for name, components in plan.results.items()
+        for axis, (lane, arrival) in enumerate(components)
+    }
+    flags = [(part.launch, set(launches)), (part.last, set(ends))]
+    seen = stream(part, inputs, outputs, launches[-1] + 60, flags)
+    for end in ends:
+        three = [items[end - back * sharing.steps] for back in range(3)]
+        coning = [cross(a, s) for a, _, s, _ in three]
+        sculling = [cross(a, r) for a, _, _, r in three] + [cross(b, s) for _, b, s, _ in three]
+        for name, vectors in (("coning", coning), ("sculling", sculling)):
             for axis in range(3):
-                ctx.set(part.input[axis], value[axis])
-            _, _, *shown = await ctx.tick().sample(
-                *(port[axis] for port in (part.total, part.before) for axis in range(3))
-            )
-            before = [0, 0, 0] if start else total
-            log.append((shown, [*total, *before]))
-            if step:
-                since_start = 1 if start else since_start + 1
-                total = [b + v * add for b, v in zip(before, value, strict=True)]
-
-    run(part, bench)
-    assert all(shown == expected for shown, expected in log)
+                assert seen[name, axis][end] == sum(vector[axis] for vector in vectors)
 
 
-@pytest.mark.parametrize("latency", [1, 4])
-def test_delay(latency):
-    part = Delay(8, latency)
-    seen = []
-
-    async def bench(ctx):
-        for value in range(20):
-            ctx.set(part.input, value + 100)
-            _, _, out = await ctx.tick().sample(part.output)
-            seen.append(out)
-
-    run(part, bench)
-    assert seen == [0] * latency + list(range(100, 120 - latency))
+def small_words():
+    return word_lengths(8, 8, 1, DESIGNS["taylor_2p0"].table)
 
 
-def test_history_shifts_only_when_told():
-    part = History(Interval.signed(8), 2)
-    kept, log = [0, 0, 0], []
-
-    async def bench(ctx):
-        nonlocal kept
-        rng = random.Random(5)
-        for value in range(-50, 50):
-            shift = rng.random() < 0.5
-            ctx.set(part.shift, shift)
-            ctx.set(part.input[1], value)
-            _, _, *out = await ctx.tick().sample(*(part.output[d][1] for d in range(3)))
-            log.append((out, list(kept)))
-            if shift:
-                kept = [value, *kept[:2]]
-
-    run(part, bench)
-    assert all(out == expected for out, expected in log)
+def arrivals_of(words):
+    """Every vector arrives in its own clocks, in limbs of 7 bits."""
+    return {
+        name: [skewed(getattr(words, name).bits, 7, 3 + i + axis) for axis in range(3)]
+        for i, name in enumerate(VECTORS)
+    }
 
 
-def test_handover_holds_one_result_and_counts():
-    words = word_lengths(8, 8, 1, DESIGNS["taylor_2p0"].table)
-    part = HandOver(words)
+def result_of(words, rng):
+    return {name: extremes(getattr(words, name), rng, 3) for name in VECTORS}
+
+
+def test_handover_shows_each_result_whole():
+    words, rng = small_words(), random.Random(6)
+    arrivals = arrivals_of(words)
+    part = HandOver(words, arrivals, 2)
+    complete = max(c for three in arrivals.values() for one in three for _, c in one)
+    assert part.complete == complete
+    results = [result_of(words, rng) for _ in range(3)]
+    starts = [10, 60, 110]
     log = []
 
     async def bench(ctx):
-        async def clock(load, ready, value):
-            ctx.set(part.load, load)
-            ctx.set(part.ready, ready)
-            ctx.set(part.input_status, value & 3)
+        for now in range(160):
             for name in VECTORS:
-                ctx.set(part.input[name][2], value if name == "alpha" else 0)
+                for axis in range(3):
+                    shown = rng.getrandbits(8)
+                    for lo, hi, clock in spans(arrivals[name][axis]):
+                        if now - clock in starts:
+                            mask = (1 << hi) - (1 << lo)
+                            value = results[starts.index(now - clock)][name][axis]
+                            shown = (shown & ~mask) | (value & mask)
+                    ctx.set(part.input[name][axis], shown)
+            ctx.set(part.major_end, int(now - 2 in starts))
+            ctx.set(part.status, starts.index(now - 2) + 1 if now - 2 in starts else 0)
+            ctx.set(part.ready, int(now % 50 == 45))
             _, _, *shown = await ctx.tick().sample(
-                part.valid, part.taken, part.major, part.status, part.output.alpha[2]
+                part.valid,
+                part.taken,
+                part.shown_major,
+                part.shown_status,
+                *(part.output[name][axis] for name in VECTORS for axis in range(3)),
             )
-            log.append(tuple(shown))
-
-        for load, ready, value in [
-            (0, 1, 9),
-            (1, 0, 7),
-            (0, 0, 5),
-            (0, 1, 5),
-            (1, 1, 6),
-            (0, 1, 0),
-        ]:
-            await clock(load, ready, value)
-        await clock(0, 0, 0)
+            log.append(shown)
 
     run(part, bench)
-    assert log == [
-        (0, 0, 0, 0, 0),
-        (0, 0, 0, 0, 0),
-        (1, 0, 0, 3, 7),
-        (1, 1, 0, 3, 7),
-        (0, 0, 0, 3, 7),
-        (1, 1, 1, 2, 6),
-        (0, 0, 1, 2, 6),
-    ]
+    expected = (0, 0, *[0] * 18)
+    for now, (valid, taken, *shown) in enumerate(log):
+        for i, start in enumerate(starts):
+            if now == start + complete + 1:
+                row = [value for name in VECTORS for value in results[i][name]]
+                expected = (i, i + 1, *row)
+        waiting = any(start + complete < now <= start // 50 * 50 + 45 for start in starts)
+        assert valid == waiting
+        assert taken == (waiting and now % 50 == 45)
+        assert tuple(shown) == expected
+
+
+@pytest.mark.parametrize("chance", [1.0, 0.4])
+def test_stream_handover_gives_the_words(chance):
+    design = DESIGNS["taylor_2p0"]
+    words, rng = design.words, random.Random(8)
+    arrivals = arrivals_of(words)
+    part = StreamHandOver(words, words_per_column(design), arrivals, 2)
+    results = [result_of(words, rng) for _ in range(3)]
+    taken_words, gaps = [], 0
+
+    async def bench(ctx):
+        nonlocal gaps
+        for i, result in enumerate(results):
+            ctx.set(part.ready, 0)
+            for now in range(40):
+                for name in VECTORS:
+                    for axis in range(3):
+                        shown = rng.getrandbits(8)
+                        for lo, hi, clock in spans(arrivals[name][axis]):
+                            if now == clock:
+                                mask = (1 << hi) - (1 << lo)
+                                shown = (shown & ~mask) | (result[name][axis] & mask)
+                        ctx.set(part.input[name][axis], shown)
+                ctx.set(part.major_end, int(now == 2))
+                ctx.set(part.status, i + 1)
+                _, _, valid = await ctx.tick().sample(part.valid)
+                assert valid == (now > part.complete)
+            count, done = 0, 0
+            while not done:
+                ready = int(rng.random() < chance)
+                ctx.set(part.ready, ready)
+                _, _, valid, data, last, done = await ctx.tick().sample(
+                    part.valid, part.data, part.last, part.taken
+                )
+                gaps += not valid
+                if ready:
+                    taken_words.append(data)
+                    count += 1
+                    assert last == done == (count == words_per_result(design))
+            assert count == words_per_result(design)
+
+    run(part, bench)
+    assert gaps == 0
+    each = words_per_result(design)
+    for i, result in enumerate(results):
+        row = from_words(design, taken_words[i * each : (i + 1) * each])
+        columns = {"major": i, "status": i + 1} | {
+            f"{name}_{axis}": result[name][j] for name in VECTORS for j, axis in enumerate(AXES)
+        }
+        assert dict(zip(COLUMNS, row, strict=True)) == columns
 
 
 def uses_the_past(design, t):
@@ -279,31 +516,49 @@ def uses_the_past(design, t):
     return tap or (k == table.samples and weight)
 
 
+@pytest.mark.parametrize("spacing", [1, 2, 5])
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
-def test_sequencer_knows_when_history_is_short(design):
-    part = Sequencer(design)
-    seen = []
+def test_sequencer(design, spacing):
+    """Its flags from the page; `sample_ready` low in between, and for good before a second end."""
+    part = Sequencer(design, spacing)
+    n, whole = design.algorithm.samples, design.samples_per_major
+    flags = ("taken", "launch", "minor_end", "major_end", "phase", "first", "short", "fault")
+    ready_log, log = [], []
 
     async def bench(ctx):
         ctx.set(part.sample_valid, 1)
-        ctx.set(part.result_taken, 1)
-        for _ in range(100):
-            _, _, accept, short = await ctx.tick().sample(part.accept, part.flags.short)
-            if accept:
-                seen.append(short)
+        for now in range(60 * spacing):
+            ctx.set(part.sample_fault, now % 2)
+            ctx.set(part.result_taken, int(now < 40 * spacing))
+            _, _, ready, *shown = await ctx.tick().sample(
+                part.sample_ready, *(getattr(part, name) for name in flags)
+            )
+            ready_log.append(ready)
+            log.append(shown)
 
     run(part, bench)
-    assert seen == [uses_the_past(design, t) for t in range(len(seen))]
-    assert len(seen) > design.table.history
-
-
-def test_core_latency_is_the_sum_of_its_parts():
-    design = Design.preset("stim300")
-    core = PipelinedCore(design)
-    assert core.latency == core_latency(design) == 1 + 4 + 5 + 1 + 1
-    assert generate(design).manifest["latency_clocks"] == core.latency
-
-    async def bench(ctx):
-        await ctx.tick()
-
-    run(core, bench)
+    t, awaited, free = 0, False, 0
+    for now, ready in enumerate(ready_log[:-1]):
+        last = (t + 1) % whole == 0
+        assert ready == (now >= free and not (last and awaited))
+        if now < 40 * spacing:
+            awaited = False
+        if ready:
+            k = t % n + 1
+            launches = any(design.table.taps[k - 1]) or k == n
+            assert log[now + 1] == [
+                1,
+                launches,
+                k == n,
+                last,
+                k - 1,
+                t % whole == 0,
+                uses_the_past(design, t),
+                now % 2,
+            ]
+            awaited |= last
+            free = now + spacing
+            t += 1
+        else:
+            assert log[now + 1][:4] == [0, 0, 0, 0]
+    assert t > design.table.history

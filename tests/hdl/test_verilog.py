@@ -12,7 +12,7 @@ import pytest
 from sculler_hdl.verilog import generate
 from sculler_model.design import Design
 from sculler_model.vectors import COLUMNS
-from strategies import DESIGNS
+from strategies import DESIGNS, with_hardware
 
 
 @pytest.fixture(params=DESIGNS.values(), ids=DESIGNS)
@@ -41,6 +41,43 @@ def test_icarus_has_nothing_to_say(verilog_file, tmp_path):
         check=False,
     )
     assert (run.returncode, run.stdout + run.stderr) == (0, "")
+
+
+VARIANTS = {
+    f"{name}-{'-'.join(map(str, hardware.values()))}": with_hardware(DESIGNS[name], **hardware)
+    for name in ("dense_odd_3",)
+    for hardware in (
+        {"core": "compact"},
+        {"core": "compact", "multipliers": 0},
+        {"core": "compact", "target": "ecp5"},
+        {"core": "compact", "target": "ice40"},
+        {"core": "pipelined", "target": "ecp5"},
+        {"core": "pipelined", "target": "ice40"},
+        {"core": "pipelined", "target": "xilinx"},
+        {"core": "pipelined", "handover": "stream"},
+    )
+}
+
+
+@pytest.mark.parametrize("variant", VARIANTS.values(), ids=VARIANTS)
+def test_both_linters_are_silent_on_every_core_and_target(variant, tmp_path, verilator):
+    """With the models of the vendor's blocks, which are files of their own."""
+    made = generate(variant)
+    files = []
+    for name, text in {variant.name: made.verilog, **made.cells}.items():
+        files.append(tmp_path / f"{name}.v")
+        files[-1].write_text(text)
+    assert bool(made.cells) == (variant.hardware.target in ("ecp5", "ice40"))
+    run = verilator("--lint-only", "-Wall", "--top-module", variant.name, *files)
+    assert (run.returncode, run.stderr) == (0, "")
+    if shutil.which("iverilog"):
+        run = subprocess.run(
+            ["iverilog", "-g2005", "-Wall", "-s", variant.name, "-o", tmp_path / "out", *files],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert (run.returncode, run.stdout + run.stderr) == (0, "")
 
 
 def test_no_waiver_hides_in_the_text(design):

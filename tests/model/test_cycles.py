@@ -9,14 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sculler_model.cycles import CycleModel, Ports
+from sculler_model.cycles import CycleModel, Ports, Timing, result_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.golden import GoldenModel, Sample
-from sculler_model.vectors import COLUMNS
-from strategies import DESIGNS, make_design, random_counts
+from sculler_model.vectors import COLUMNS, Result
+from strategies import DESIGNS, make_design, random_counts, with_hardware
 
 ZERO: Sample = ((0, 0, 0), (0, 0, 0), 0)
+NOTHING = Result(0, 0, *[(0, 0, 0)] * 6)
+STREAM = {"handover": "stream"}
 
 
 class Clock(NamedTuple):
@@ -38,7 +40,7 @@ def samples(design: Design, count: int, seed: int) -> list[Sample]:
 
 def drive(
     design: Design,
-    latency: int,
+    timing: Timing,
     clocks: int,
     seed: int,
     offer: float = 0.7,
@@ -46,7 +48,7 @@ def drive(
     reset: float = 0.0,
 ) -> list[Clock]:
     """Clocks with random stalls; an offered sample stays on the port until it is taken."""
-    model = CycleModel(design, latency)
+    model = CycleModel(design, timing)
     rng = np.random.default_rng(seed)
     stream = iter(samples(design, clocks, seed))
     waiting: Sample | None = None
@@ -61,36 +63,69 @@ def drive(
     return trace
 
 
-def assert_keeps_contract(design: Design, latency: int, trace: list[Clock]) -> int:
-    """Check every clock of a trace against the contract; the number of results taken."""
-    span = design.samples_per_major
-    nothing = (0,) * len(COLUMNS)
+def words_of(design: Design, result: Result) -> list[tuple[int, int]]:
+    """(data, last) of each word of a result, by Python's own conversion to bytes."""
+    vectors = ("alpha", "coning_within", "coning_between")
+    vectors += ("nu", "sculling_within", "sculling_between")
+    size = 2 * max(-(-getattr(design.words, vector).bits // 16) for vector in vectors)
+    major, status, *components = result.row()
+    data = (major % 256**size).to_bytes(size, "little") + status.to_bytes(size, "little")
+    data += b"".join(number.to_bytes(size, "little", signed=True) for number in components)
+    pairs = zip(data[0::2], data[1::2], strict=True)
+    return [(low + 256 * high, int(2 * i + 2 == len(data))) for i, (low, high) in enumerate(pairs)]
+
+
+def assert_keeps_contract(design: Design, timing: Timing, trace: list[Clock]) -> int:
+    """Check every clock of a trace against the contract; the number of results taken whole."""
+    span, phases = design.samples_per_major, design.algorithm.samples
+    stream = design.hardware.handover == "stream"
+    words = len(words_of(design, NOTHING))
+    work = timing.work or (0,) * phases
     total = 0
 
-    # since reset: samples accepted, results taken, and (clock to rise in, row) of all results
-    golden, accepted, taken = GoldenModel(design), 0, 0
-    due: list[tuple[int, tuple[int, ...]]] = []
+    # since reset: its clock, samples accepted (clocks), what is to be shown (clock from which the
+    # first part of its result is due, content), and what was taken of it (clocks)
+    started, golden = 0, GoldenModel(design)
+    accepted: list[int] = []
+    parts: list[tuple[int, tuple[int, ...]]] = []
+    taken: list[int] = []
     for now, (offered, result_ready, rst, out) in enumerate(trace):
-        # result_valid rises `latency` clocks after the last sample, and stays until taken
-        risen = [row for clock, row in due if clock <= now]
-        assert out.result_valid == int(len(risen) > taken), now
-        # the ports show the newest result that rose, and change at no other time
-        assert out.result == (risen[-1] if risen else nothing), now
-        # sample_ready is low exactly when the next is a last one and a result not yet taken
-        next_is_last = accepted % span == span - 1
-        assert out.sample_ready == int(not (next_is_last and len(due) > taken)), now
+        # the next part is valid when its result is due, and a word some clocks after the last one
+        valid = len(taken) < len(parts) and now >= parts[len(taken)][0]
+        if len(taken) % words and stream:
+            valid = valid and now >= taken[-1] + timing.word_spacing
+        assert out.result_valid == int(valid), now
+        # valid or not, parallel ports show the newest result that rose; a stream's are masked
+        if valid:
+            assert out.result == parts[len(taken)][1], now
+        elif stream:
+            assert out.result == (0, 0), now
+        else:
+            assert out.result == (parts[len(taken) - 1][1] if taken else (0,) * len(COLUMNS)), now
+        # sample_ready is low exactly for one of four reasons
+        last_is_next = len(accepted) % span == span - 1
+        busy = [clock + work[i % phases] for i, clock in enumerate(accepted) if work[i % phases]]
+        reasons = [
+            now < started + timing.startup,
+            bool(accepted) and now < accepted[-1] + timing.spacing,
+            work[len(accepted) % phases] > 0 and bool(busy) and now < busy[-1],
+            last_is_next and len(parts) > len(taken),
+        ]
+        assert out.sample_ready == int(not any(reasons)), (now, reasons)
 
         if rst:
-            golden, accepted, taken, due = GoldenModel(design), 0, 0, []
+            started, golden = now + 1, GoldenModel(design)
+            accepted, parts, taken = [], [], []
             continue
         if out.result_valid and result_ready:
-            taken += 1
-            total += 1
+            taken.append(now)
+            total += len(taken) == len(parts)
         if offered is not None and out.sample_ready:
-            accepted += 1
+            accepted.append(now)
             result = golden.step(*offered)
             if result is not None:
-                due.append((now + latency, result.row()))
+                shown = words_of(design, result) if stream else [result.row()]
+                parts += [(now + timing.latency, part) for part in shown]
     return total
 
 
@@ -100,38 +135,71 @@ SHORT = ["smallest", "rate_1p0", "taylor_7p0", "taylor_3p3", "late_sum_2", "wide
 @pytest.mark.parametrize("latency", [1, 2, 9, 40])
 @pytest.mark.parametrize("name", SHORT)
 def test_random_stalls(name: str, latency: int) -> None:
-    design = DESIGNS[name]
-    trace = drive(design, latency, 600, seed=latency)
-    assert assert_keeps_contract(design, latency, trace) > 3
+    design, timing = DESIGNS[name], Timing(latency)
+    trace = drive(design, timing, 600, seed=latency)
+    assert assert_keeps_contract(design, timing, trace) > 3
 
 
 @pytest.mark.parametrize("latency", [1, 7, 30])
 @pytest.mark.parametrize("name", SHORT)
 def test_resets_at_any_time(name: str, latency: int) -> None:
-    design = DESIGNS[name]
-    trace = drive(design, latency, 900, seed=5, reset=0.01)
+    design, timing = DESIGNS[name], Timing(latency)
+    trace = drive(design, timing, 900, seed=5, reset=0.01)
     assert sum(clock.rst for clock in trace) > 3
-    assert_keeps_contract(design, latency, trace)
+    assert_keeps_contract(design, timing, trace)
 
 
-@settings(max_examples=60, deadline=None)
+SLOW = [
+    Timing(1),
+    Timing(20, spacing=3),
+    Timing(5, startup=17, word_spacing=4),
+    Timing(90, spacing=7, startup=40, work=(50, 0, 30), word_spacing=2),
+    Timing(12, work=(0, 0, 25)),
+    Timing(300, spacing=9, work=(300, 0, 0)),
+]
+
+
+@pytest.mark.parametrize("handover", ["parallel", "stream"])
+@pytest.mark.parametrize("timing", SLOW)
+def test_every_number_of_the_timing(timing: Timing, handover: str) -> None:
+    design = with_hardware(DESIGNS["dense_odd_3"], handover=handover)
+    for seed, rates in enumerate([(1, 1, 0), (0.7, 0.5, 0), (0.9, 0.9, 0.001)]):
+        trace = drive(design, timing, 3000, seed, *rates)
+        assert assert_keeps_contract(design, timing, trace) >= 1
+
+
+@settings(max_examples=80, deadline=None)
 @given(
     n=st.integers(1, 3),
     minors=st.integers(1, 3),
-    latency=st.integers(1, 20),
     seed=st.integers(0, 2**32),
-    rates=st.tuples(st.floats(0.1, 1), st.floats(0.05, 1), st.sampled_from([0, 0.03])),
+    rates=st.tuples(st.floats(0.1, 1), st.floats(0.05, 1), st.sampled_from([0, 0.003, 0.03])),
+    handover=st.sampled_from(["parallel", "stream"]),
+    data=st.data(),
 )
-def test_any_stalls(
-    n: int, minors: int, latency: int, seed: int, rates: tuple[float, float, float]
+def test_any_timing_and_stalls(
+    n: int,
+    minors: int,
+    seed: int,
+    rates: tuple[float, float, float],
+    handover: str,
+    data: st.DataObject,
 ) -> None:
-    design = make_design("any", n, 1, minors, (8, 9))
-    assert_keeps_contract(design, latency, drive(design, latency, 150, seed, *rates))
+    design = make_design("any", n, 1, minors, (8, 9), hardware={"handover": handover})
+    clocks = st.integers(0, 30)
+    timing = Timing(
+        latency=data.draw(st.integers(1, 20)),
+        spacing=data.draw(st.integers(1, 5)),
+        startup=data.draw(clocks),
+        work=data.draw(st.just(()) | st.tuples(*[st.just(0) | clocks] * n)),
+        word_spacing=data.draw(st.integers(1, 4)),
+    )
+    assert_keeps_contract(design, timing, drive(design, timing, 300, seed, *rates))
 
 
 def test_no_stall_when_results_are_taken_at_once() -> None:
     design = make_design("flow", 2, 1, 3, (8, 8))
-    trace = drive(design, latency=4, clocks=200, seed=1, offer=1, take=1)
+    trace = drive(design, Timing(4), clocks=200, seed=1, offer=1, take=1)
     assert all(clock.out.sample_ready for clock in trace)
     # one result each six clocks, from the clock of the sixth sample on
     rises = [t for t, clock in enumerate(trace) if clock.out.result_valid]
@@ -140,7 +208,7 @@ def test_no_stall_when_results_are_taken_at_once() -> None:
 
 def test_a_result_never_taken_stops_the_samples_before_anything_is_lost() -> None:
     design = make_design("stop", 2, 1, 3, (8, 8))
-    model = CycleModel(design, 4)
+    model = CycleModel(design, Timing(4))
     taken = 0
     for sample in samples(design, 60, 2):
         taken += model.clock(sample, result_ready=0).sample_ready
@@ -152,9 +220,37 @@ def test_a_result_never_taken_stops_the_samples_before_anything_is_lost() -> Non
     assert model.ports() == Ports(1, 0, before.result)
 
 
+def test_a_stream_stops_the_samples_until_its_last_word_is_taken() -> None:
+    design = make_design("words", 1, 1, 1, (8, 8), hardware=STREAM)
+    model = CycleModel(design, Timing(latency=3, word_spacing=2))
+    sample = ((1, -2, 3), (4, 5, -6), 1)
+    assert model.clock(sample, 1) == Ports(1, 0, (0, 0))
+    # the vectors take 17 bits and more, hence two words a column: 40 words, one each two clocks
+    shown = [model.clock(None, 1) for _ in range(90)]
+    first = 3 - 1
+    valid = range(first, first + 2 * 40, 2)
+    assert [t for t, ports in enumerate(shown) if ports.result_valid] == list(valid)
+    assert [t for t, ports in enumerate(shown) if ports.result[1]] == [valid[-1]]
+    assert [t for t, ports in enumerate(shown) if ports.sample_ready] == list(range(valid[-1], 90))[
+        1:
+    ]
+    words = [shown[t].result[0] for t in valid]
+    # major 0; status: no sample before the first, and a fault; alpha is the sample
+    assert words[:10] == [0, 0, 3, 0, 1, 0, 0xFFFE, 0xFFFF, 3, 0]
+
+
+def test_a_word_waits_unchanged() -> None:
+    design = make_design("words", 1, 1, 1, (8, 8), hardware=STREAM)
+    model = CycleModel(design, Timing(latency=1))
+    model.clock(((7, 0, 0), (0, 0, 0), 1), 0)
+    model.clock(None, 1)
+    model.clock(None, 1)
+    assert [model.clock(None, 0) for _ in range(5)] == [Ports(0, 1, (3, 0))] * 5
+
+
 def test_reset_forgets_everything_and_clears_the_ports() -> None:
     design = make_design("reset", 1, 1, 1, (8, 8))
-    model = CycleModel(design, 3)
+    model = CycleModel(design, Timing(3))
     powered_up = model.ports()
     assert powered_up == Ports(1, 0, (0,) * len(COLUMNS))
     model.clock(((1, 2, 3), (4, 5, 6), 1), 0)
@@ -168,22 +264,30 @@ def test_reset_forgets_everything_and_clears_the_ports() -> None:
         assert model.clock(None, 1) == powered_up
 
 
+def test_after_reset_the_start_takes_its_clocks_again() -> None:
+    model = CycleModel(DESIGNS["smallest"], Timing(1, spacing=9, startup=4))
+    assert [model.clock(None, 1).sample_ready for _ in range(6)] == [0, 0, 0, 0, 1, 1]
+    assert model.clock(ZERO, 1).sample_ready == 1
+    assert model.clock(ZERO, 1, rst=1).sample_ready == 0
+    assert [model.clock(None, 1).sample_ready for _ in range(6)] == [0, 0, 0, 0, 1, 1]
+
+
 def test_nothing_is_taken_while_reset_is_high() -> None:
     design = make_design("reset", 1, 1, 1, (8, 8))
-    model = CycleModel(design, 1)
+    model = CycleModel(design, Timing(1))
     for _ in range(5):
         model.clock(((1, 2, 3), (4, 5, 6), 0), 1, rst=1)
     assert model.ports() == Ports(1, 0, (0,) * len(COLUMNS))
 
 
 def test_a_sample_is_not_even_looked_at_while_reset_is_high() -> None:
-    model = CycleModel(DESIGNS["smallest"], 1)
+    model = CycleModel(DESIGNS["smallest"], Timing(1))
     model.clock(((0, 128, 0), (0, 0, 0), 0), 1, rst=1)
     assert model.ports().sample_ready == 1
 
 
 def test_major_wraps_at_64_bits() -> None:
-    model = CycleModel(DESIGNS["smallest"], 1)
+    model = CycleModel(DESIGNS["smallest"], Timing(1))
     model._golden.major = 2**64 - 1
     majors = []
     for _ in range(6):
@@ -192,6 +296,36 @@ def test_major_wraps_at_64_bits() -> None:
     assert majors == [2**64 - 1, 0, 1]
 
 
+def test_a_streams_major_wraps_at_its_columns_width() -> None:
+    design = with_hardware(DESIGNS["smallest"], handover="stream")
+    model = CycleModel(design, Timing(1))
+    model._golden.major = 2**32 - 1
+    words = []
+    while len(words) < 3 * 40:
+        shown = model.clock(ZERO, 1)
+        words += [shown.result[0]] if shown.result_valid else []
+    assert [words[i : i + 2] for i in (0, 40, 80)] == [[0xFFFF, 0xFFFF], [0, 0], [1, 0]]
+
+
 def test_a_count_outside_the_width_is_refused() -> None:
     with pytest.raises(InputError, match="sample 0: gyro_y = 128 does not fit 8 bits"):
-        CycleModel(DESIGNS["smallest"], 1).clock(((0, 128, 0), (0, 0, 0), 0), 1)
+        CycleModel(DESIGNS["smallest"], Timing(1)).clock(((0, 128, 0), (0, 0, 0), 0), 1)
+
+
+def test_timings_that_cannot_be() -> None:
+    for bad in (
+        {"latency": 0},
+        {"latency": 1, "spacing": 0},
+        {"latency": 1, "startup": -1},
+        {"latency": 1, "word_spacing": 0},
+        {"latency": 1, "work": (3, -1)},
+    ):
+        with pytest.raises(ValueError, match="is not allowed, give"):
+            Timing(**bad)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="work: 2 phases are not the design's 3"):
+        CycleModel(DESIGNS["dense_odd_3"], Timing(1, work=(1, 2)))
+
+
+def test_the_names_of_the_result_ports() -> None:
+    assert result_ports(DESIGNS["smallest"]) == COLUMNS
+    assert result_ports(with_hardware(DESIGNS["smallest"], handover="stream")) == ("data", "last")

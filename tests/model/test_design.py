@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from sculler_model.coefficients import TapTable, filtered_rate, frequency_taylor
-from sculler_model.design import Design
+from sculler_model.design import Design, Hardware
 from sculler_model.errors import InputError
 from sculler_model.presets import PRESETS
 from strategies import DESIGNS
@@ -534,3 +534,47 @@ def test_a_design_cannot_be_changed() -> None:
     design = Design.preset("stim300")
     with pytest.raises(ValueError, match="frozen"):
         design.name = "other"  # type: ignore[misc]
+
+
+class TestHardware:
+    @staticmethod
+    def hardware(**keys: object) -> Hardware:
+        return Design.parse({"preset": "stim300", "hardware": keys}).hardware
+
+    def test_what_is_left_out(self) -> None:
+        assert self.hardware() == self.hardware(
+            core="pipelined", target="generic", handover="parallel"
+        )
+        assert self.hardware().multipliers is None
+        assert self.hardware(core="compact").handover == "stream"
+        assert self.hardware(handover="stream").handover == "stream"
+
+    @pytest.mark.parametrize(
+        ("keys", "fault"),
+        [
+            ({"core": "compact", "multipliers": 2}, "multipliers: 2 is not allowed, core"),
+            ({"multipliers": 0}, "multipliers: 0 is not allowed, give 1 or more"),
+            ({"multipliers": -1}, "multipliers: -1 is not allowed, give a whole number from 0"),
+            ({"core": "compact", "handover": "parallel"}, "handover: not possible with core"),
+            ({"handover": "serial"}, "handover: 'serial' is not allowed"),
+            ({"target": "ecp6"}, "target: 'ecp6' is not allowed"),
+        ],
+    )
+    def test_what_is_refused(self, keys: dict[str, object], fault: str) -> None:
+        with pytest.raises(InputError, match=f"hardware.{fault}") as raised:
+            self.hardware(**keys)
+        assert "\n" not in str(raised.value)
+
+    def test_each_choice_is_another_design(self) -> None:
+        keys: list[dict[str, object]] = [
+            {},
+            {"core": "compact"},
+            {"core": "compact", "multipliers": 0},
+            {"target": "ecp5"},
+            {"multipliers": 28},
+            {"handover": "stream"},
+        ]
+        designs = [Design.parse({"preset": "stim300", "hardware": each}) for each in keys]
+        assert len({design.digest for design in designs}) == len(designs)
+        for design in designs:
+            assert Design.parse(design.as_json()) == design

@@ -7,14 +7,14 @@ was driven.
 import numpy as np
 import pytest
 
-from sculler_model.cycles import Ports
+from sculler_model.cycles import Ports, Timing
 from sculler_model.errors import InputError
 from sculler_model.vectors import COLUMNS
 from sculler_sim.engine import simulate, trace
 from sculler_sim.run import Progress, SimulationError, check_chunks
 from sculler_sim.stimulus import Stimulus
 from sculler_sim.surroundings import Surroundings
-from strategies import DESIGNS, make_design, random_counts
+from strategies import DESIGNS, make_design, random_counts, with_hardware
 
 DESIGN = make_design("echo", 2, 0, 2, (8, 9))  # four samples a major interval
 
@@ -36,6 +36,25 @@ ECHO = """
 """
 
 
+# The same with a stream of words: each says which it is and in which clock it was taken.
+STREAMING = with_hardware(DESIGN, handover="stream")
+WORDS = 40  # the vectors have 17 bits and more, hence two words a column
+
+STREAM_ECHO = f"""
+  reg [15:0] clock = 0;
+  reg [7:0] word = 0;
+  always @(posedge clk) begin
+    clock <= clock + 1;
+    if (rst) word <= 0;
+    else if (result_valid && result_ready) word <= result_last ? 0 : word + 1;
+  end
+  assign sample_ready = clock % 3 != 0;
+  assign result_valid = clock % 5 == 0;
+  assign result_data = {{clock[7:0], word}};
+  assign result_last = word == {WORDS - 1};
+"""
+
+
 def ready(clock):
     return int(clock % 3 != 0)
 
@@ -52,16 +71,16 @@ def faults_of(samples):
     return np.arange(samples) % 5 == 0
 
 
-def driven(counts, faults, stimulus):
-    """What the rules of `sculler_sim.engine` make of the stub.
+def driven(counts, faults, stimulus, words=1):
+    """What the rules of `sculler_sim.engine` make of the stub, whose results have so many words.
 
     Returns, until the samples are used up, each clock's (valid, six counts, fault, result_ready,
-    rst); the clocks in which a result is taken; and, at the end of the run, the clocks and the
-    samples since reset.
+    rst); for each result the clocks in which its words are taken; and, at the end of the run, the
+    clocks and the samples since reset.
     """
-    offer, take, rst = (level.tolist() for level in stimulus.levels(0, 1000))
+    offer, take, rst = (level.tolist() for level in stimulus.levels(0, 20_000))
     queue = [[*row, int(fault)] for row, fault in zip(counts.tolist(), faults, strict=True)]
-    shown, results, waiting = [], [], False
+    shown, results, result, waiting = [], [], [], False
     samples_since_reset = results_since_reset = clock = 0
     while queue or results_since_reset < samples_since_reset // 4:
         if queue:
@@ -70,13 +89,17 @@ def driven(counts, faults, stimulus):
             shown.append((int(waiting), *count, fault, take[clock], rst[clock]))
         if rst[clock]:
             samples_since_reset = results_since_reset = 0
+            result = []
         elif waiting and ready(clock):
             queue.pop(0)
             waiting = False
             samples_since_reset += 1
         if take[clock] and valid(clock) and not rst[clock]:
-            results.append(clock)
-            results_since_reset += 1
+            result = [*result, clock]
+            if len(result) == words:
+                results.append(result)
+                results_since_reset += 1
+                result = []
         clock += 1
     return shown, results, (clock, samples_since_reset)
 
@@ -89,7 +112,9 @@ def test_python_drives_by_the_rules(stimulus):
     counts, faults = counts_of(60), faults_of(60)
     expected, results, end = driven(counts, faults, stimulus)
     progress = Progress()
-    drive = Surroundings(DESIGN, check_chunks(DESIGN, [(counts, faults)]), stimulus, progress)
+    drive = Surroundings(
+        DESIGN, Timing(1), check_chunks(DESIGN, [(counts, faults)]), stimulus, progress
+    )
     shown = []
     while not drive.done:
         now, clock = drive.inputs, progress.clocks
@@ -98,7 +123,7 @@ def test_python_drives_by_the_rules(stimulus):
             shown.append((now.sample_valid, *gyro, *accel, fault, now.result_ready, now.rst))
         drive.clocked(Ports(ready(clock), valid(clock), (clock,)))
     assert shown == expected
-    assert [row[0] for row in drive.taken] == results
+    assert [[row[0]] for row in drive.taken] == results
     assert (progress.samples, progress.results) == (60, len(results))
     assert (progress.clocks, progress.since_reset) == end
 
@@ -134,11 +159,123 @@ def test_cpp_takes_results_by_the_rules_however_the_samples_are_cut(use_verilog,
         _, results, end = driven(counts, faults, stimulus)
         chunks = [(counts[i : i + chunk], faults[i : i + chunk]) for i in range(0, 60, chunk)]
         run = simulate(DESIGN, chunks, stimulus=stimulus)
-        majors = [major for block in run for major in block.major.tolist()]
+        majors = [[major] for block in run for major in block.major.tolist()]
         assert majors == results
         assert run.progress.samples == 60
         assert (run.progress.clocks, run.progress.since_reset) == end
         assert run.leftover == end[1] % 4
+
+
+def echoed(result):
+    """The columns of a result of the streaming stub, by the clocks in which its words are taken."""
+    data = bytes(byte for word, clock in enumerate(result) for byte in (word, clock % 256))
+    columns = [data[i : i + 4] for i in range(0, len(data), 4)]
+    major_status = [int.from_bytes(column, "little") for column in columns[:2]]
+    return (*major_status, *(int.from_bytes(c, "little", signed=True) for c in columns[2:]))
+
+
+@pytest.mark.parametrize("stimulus", STIMULI)
+def test_python_takes_a_result_word_by_word(stimulus):
+    counts, faults = counts_of(60), faults_of(60)
+    _, results, end = driven(counts, faults, stimulus, WORDS)
+    progress = Progress()
+    chunks = check_chunks(STREAMING, [(counts, faults)])
+    drive = Surroundings(STREAMING, Timing(1), chunks, stimulus, progress)
+    word = 0
+    while not drive.done:
+        now, clock = drive.inputs, progress.clocks
+        data, last = clock % 256 << 8 | word, int(word == WORDS - 1)
+        drive.clocked(Ports(ready(clock), valid(clock), (data, last)))
+        if now.rst:
+            word = 0
+        elif valid(clock) and now.result_ready:
+            word = 0 if last else word + 1
+    assert drive.taken == [echoed(result) for result in results]
+    assert (progress.samples, progress.results) == (60, len(results))
+    assert (progress.clocks, progress.since_reset) == end
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 60])
+def test_cpp_takes_a_result_word_by_word_however_the_samples_are_cut(use_verilog, chunk):
+    use_verilog(STREAMING, STREAM_ECHO)
+    counts, faults = counts_of(60), faults_of(60)
+    for stimulus in STIMULI:
+        _, results, end = driven(counts, faults, stimulus, WORDS)
+        chunks = [(counts[i : i + chunk], faults[i : i + chunk]) for i in range(0, 60, chunk)]
+        run = simulate(STREAMING, chunks, stimulus=stimulus)
+        rows = [row for block in run for row in block.rows()]
+        assert rows == [echoed(result) for result in results]
+        assert run.progress.samples == 60
+        assert (run.progress.clocks, run.progress.since_reset) == end
+
+
+def test_a_trace_of_a_stream_shows_its_ports_where_they_mean_something(use_verilog):
+    use_verilog(STREAMING, STREAM_ECHO)
+    counts = counts_of(60)
+    seen = trace(STREAMING, counts, None, Stimulus.always(), 250, "verilator")
+    assert seen.ports == ("data", "last")
+    assert seen.result_valid.tolist() == [valid(clock) for clock in range(250)]
+    shown = [
+        [clock << 8 | clock // 5 % WORDS, int(clock // 5 % WORDS == WORDS - 1)]
+        if valid(clock)
+        else [0, 0]
+        for clock in range(250)
+    ]
+    assert seen.result.tolist() == shown
+
+
+@pytest.mark.parametrize("bits", [(8, 9), (12, 12), (24, 24), (32, 32)])
+def test_words_of_every_number_of_columns_keep_their_sign(use_verilog, bits):
+    """Two to five words a column, of both signs, through numpy; `major` and `status` have none."""
+    taps = {8: [1], 12: [999999], 24: [1], 32: [2**20]}[bits[0]]
+    design = make_design(
+        "signs", 1, 1, 1, bits, hardware={"handover": "stream"}, denominator=1, taps=taps
+    )
+    count = {8: 2, 12: 3, 24: 4, 32: 6}[bits[0]]
+    use_verilog(
+        design,
+        f"""
+  reg [15:0] word = 0;
+  always @(posedge clk) if (result_ready) word <= result_last ? 0 : word + 1;
+  assign sample_ready = 1;
+  assign result_valid = 1;
+  assign result_data = word < {2 * count} ? word : {{word[1] ^ word[2], word[14:0]}} ^ 16'h1234;
+  assign result_last = word == {20 * count - 1};
+""",
+    )
+    run = simulate(design, [(np.zeros((1, 6), int), None)])
+    row = next(row for block in run for row in block.rows())
+    words = [
+        word if word < 2 * count else (word | ((word >> 1 ^ word >> 2) & 1) << 15) ^ 0x1234
+        for word in range(20 * count)
+    ]
+    data = np.array(words, "<u2").tobytes()
+    size = 2 * count
+    columns = [data[i : i + size] for i in range(0, len(data), size)]
+    signed = [int.from_bytes(column, "little", signed=True) for column in columns[2:]]
+    assert row[2:] == tuple(signed)
+    assert {number < 0 for number in signed} == {True, False}
+    # 64 bits of major and status are shown
+    assert row[:2] == tuple(int.from_bytes(c, "little") % 2**64 for c in columns[:2])
+
+
+@pytest.mark.parametrize(
+    ("last", "message"),
+    [
+        ("word == 38", "result_last is high with word 39 of 40"),
+        ("word == 41", "result_last is low with word 40 of 40"),
+        ("1", "result_last is high with word 1 of 40"),
+    ],
+)
+def test_a_stream_that_marks_a_wrong_word_as_its_last(use_verilog, last, message):
+    use_verilog(STREAMING, STREAM_ECHO.replace(f"word == {WORDS - 1}", last))
+    with pytest.raises(SimulationError, match=message):
+        list(simulate(STREAMING, [(counts_of(60), None)]))
+    chunks = check_chunks(STREAMING, [(counts_of(60), None)])
+    drive = Surroundings(STREAMING, Timing(1), chunks, Stimulus.always(), Progress())
+    with pytest.raises(SimulationError, match=message):  # noqa: PT012 - the word that breaks it
+        for word in range(WORDS + 1):
+            drive.clocked(Ports(1, 1, (0, int(eval(last, {"word": word})))))
 
 
 def test_results_wider_than_any_machine_word_arrive_with_their_sign(use_verilog):

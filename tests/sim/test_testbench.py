@@ -1,49 +1,21 @@
-import os
 import re
 import shlex
 import shutil
-import subprocess
+from dataclasses import replace
 
 import pytest
 
-from sculler_hdl.core import core_latency
+from bench_files import bench_of, run_bench, shell
+from sculler_hdl.core import timing
+from sculler_model.cycles import Timing
 from sculler_model.errors import InputError
 from sculler_model.vectors import COLUMNS, VECTORS
 from sculler_sim.testbench import write_testbench
-from sculler_sim.verilator_build import _verilog
 from strategies import DESIGNS, make_design
 
 # results of 18 to 79 bits, major intervals of 1 to 64 samples, dense and compressed tables
 SOME = "stim300_4x5 savage_1p1 taylor_3p3 wide_5p0 rate_2p0 dense_odd_3 smallest late_sum_2".split()
 SOME_DESIGNS = pytest.mark.parametrize("design", [DESIGNS[name] for name in SOME], ids=SOME)
-
-
-@pytest.fixture
-def icarus():
-    if shutil.which("iverilog") is None:
-        pytest.skip("Icarus Verilog (iverilog) is not installed")
-
-
-def bench_of(design, folder):
-    """The folder as `generate` leaves it, and the commands of its README by simulator."""
-    write_testbench(design, folder, core_latency(design))
-    (folder / f"{design.name}.v").write_text(_verilog(design))
-    readme = (folder / "README.md").read_text()
-    (icarus,) = re.findall(r"^    (iverilog .*)$", readme, re.M)
-    (verilator,) = re.findall(r"`(verilator --binary .*?)`", readme)
-    return {"icarus": icarus, "verilator": verilator}
-
-
-def shell(command, folder, **environment):
-    return subprocess.run(
-        command,
-        shell=True,
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, **environment},
-    )
 
 
 def verilator_command(tools, command):
@@ -52,18 +24,8 @@ def verilator_command(tools, command):
 
 @SOME_DESIGNS
 def test_the_readmes_command_passes_in_icarus_without_a_warning(icarus, design, tmp_path):
-    done = shell(bench_of(design, tmp_path)["icarus"], tmp_path)
-    assert done.stderr == ""
-    results = re.fullmatch(
-        r"PASS: (\d+) results of (\d+) samples in \d+ clocks, samples stalled in (\d+)\n",
-        done.stdout,
-    )
-    assert results, done.stdout
-    assert done.returncode == 0
-    count, samples, stalled = map(int, results.groups())
-    assert count >= 3
-    assert samples >= 600
-    assert stalled > 0
+    _, samples, _ = run_bench(design, tmp_path)
+    assert samples >= 200
 
 
 @SOME_DESIGNS
@@ -88,7 +50,7 @@ def test_the_readmes_command_runs_in_verilator(verilator, tmp_path):
     assert passed.returncode == 0
     alter_bit(tmp_path / "smallest_expected.hex", line=7, bit=70)
     failed = shell(run, tmp_path)
-    assert failed.stdout.startswith("FAIL: result 7, result_alpha_x: ")
+    assert failed.stdout.startswith("FAIL: result 7, word 0, result_alpha_x: ")
     assert failed.returncode != 0
 
 
@@ -112,7 +74,9 @@ def test_every_port_is_checked_in_every_bit(icarus, tmp_path):
         for bit in (0, width - 1):
             alter_bit(expected, line, low + bit)
             done = shell(run, tmp_path)
-            assert done.stdout.startswith(f"FAIL: result {line}, result_{column}: "), done.stdout
+            assert done.stdout.startswith(f"FAIL: result {line}, word 0, result_{column}: "), (
+                done.stdout
+            )
             assert done.returncode != 0
             expected.write_text(whole)
         low += width
@@ -140,8 +104,9 @@ def test_a_core_that_breaks_the_handshake_fails(icarus, tmp_path, port, level, e
 def test_a_wrong_latency_fails(icarus, tmp_path):
     design = DESIGNS["smallest"]
     commands = bench_of(design, tmp_path)
-    for latency in (core_latency(design) - 1, core_latency(design) + 1):
-        write_testbench(design, tmp_path, latency)
+    right = timing(design)
+    for latency in (right.latency - 1, right.latency + 1):
+        write_testbench(design, tmp_path, replace(right, latency=latency))
         assert re.match(
             r"FAIL: clock \d+, (result_valid|sample_ready)",
             shell(commands["icarus"], tmp_path).stdout,
@@ -163,7 +128,7 @@ def test_it_runs_from_another_folder(icarus, tmp_path):
 def test_the_same_design_gives_the_same_bytes(tmp_path):
     design = DESIGNS["rate_4p1"]
     for name in "ab":
-        paths = write_testbench(design, tmp_path / name, 15)
+        paths = write_testbench(design, tmp_path / name, Timing(15))
         assert {path.name for path in paths} == {
             "rate_4p1_tb.v",
             "rate_4p1_samples.hex",
@@ -177,7 +142,7 @@ def test_the_same_design_gives_the_same_bytes(tmp_path):
 
 def test_a_major_interval_of_thousands_of_samples_still_gives_results(tmp_path):
     design = make_design("long", 4, 0, 1000, (16, 16))
-    write_testbench(design, tmp_path, 15)
+    write_testbench(design, tmp_path, Timing(15))
     samples = (tmp_path / "long_samples.hex").read_text().splitlines()
     results = (tmp_path / "long_expected.hex").read_text().splitlines()
     assert len(samples) == 4 * 4000  # one interval and a half, reset, two and a half
@@ -187,4 +152,4 @@ def test_a_major_interval_of_thousands_of_samples_still_gives_results(tmp_path):
 def test_a_folder_that_cannot_be_made(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot make the folder"):
-        write_testbench(DESIGNS["smallest"], tmp_path / "file" / "x", 9)
+        write_testbench(DESIGNS["smallest"], tmp_path / "file" / "x", Timing(9))

@@ -91,13 +91,13 @@ def test_builds_side_by_side_do_not_disturb_each_other(own_cache):
 
 def test_the_verilog_kept_is_the_verilog_generated(own_cache):
     design = make_design("kept", 1, 1, 2, (8, 8))
-    text = verilator_build._verilog(design)
-    assert text == verilator_build.generate(design).verilog
-    (kept,) = own_cache.glob("kept-*.v")
-    kept.write_text("// from the cache\n")
-    assert verilator_build._verilog(design) == "// from the cache\n"
+    files = verilator_build.emitted(design)
+    assert files == {"kept.v": verilator_build.generate(design).verilog}
+    (kept,) = own_cache.glob("kept-*.json")
+    kept.write_text('{"kept": "// from the cache"}')
+    assert verilator_build.emitted(design) == {"kept.v": "// from the cache"}
     other = make_design("kept", 1, 1, 3, (8, 8))
-    assert verilator_build._verilog(other) == verilator_build.generate(other).verilog
+    assert verilator_build.emitted(other)["kept.v"] == verilator_build.generate(other).verilog
 
 
 def test_where_the_cache_is(monkeypatch, tmp_path):

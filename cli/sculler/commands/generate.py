@@ -35,7 +35,9 @@ def command(design_name: str, folder: Path | None, as_json: bool) -> None:
 
     FOLDER gets NAME.v, its manifest NAME.json (ports, word lengths, scales, latency), and a
     self-checking test bench NAME_tb.v with its golden vectors; its README.md has the command that
-    runs it in any simulator.  The same design gives the same bytes.
+    runs it in any simulator.  With a hardware.target that has multiplier or memory blocks of its
+    own come their models for simulators; with core = "compact" comes the schedule to read,
+    NAME_schedule.txt.  The same design gives the same bytes.
     """
     from sculler_model.vectors import VECTORS
 
@@ -50,15 +52,18 @@ def command(design_name: str, folder: Path | None, as_json: bool) -> None:
         "folder": str(folder),
         "files": [str(file) for file in files],
         "latency_clocks": manifest["latency_clocks"],
-        "clocks_per_sample": manifest["clocks_per_sample"],
+        "clocks_per_minor": manifest["clocks_per_minor"],
         "samples_per_major": design.samples_per_major,
+        "resources": manifest["resources"],
         "verilog_sha256": manifest["verilog_sha256"],
     }
     rows = {
         "module": f"{design.name}: {design.algorithm.family}, n = {design.algorithm.samples},"
         f" M = {design.algorithm.minors}",
-        "latency": f"{manifest['latency_clocks']} clocks from an interval's last sample,"
-        f" {manifest['clocks_per_sample']} a sample",
+        "core": f"{design.hardware.core}, target {design.hardware.target}",
+        "clocks": f"{manifest['clocks_per_minor']} a minor interval of"
+        f" {design.algorithm.samples} samples; {manifest['latency_clocks']} from a major"
+        " interval's last sample to its result",
         "widths": ", ".join(f"{vector} {getattr(words, vector).bits}" for vector in VECTORS)
         + " bits",
         "wrote": f"{folder}/: {', '.join(file.name for file in files)}",
@@ -75,6 +80,7 @@ def write_hardware(design: Design, folder: Path) -> list[Path]:
     Raises:
         InputError: the folder cannot be made or written to.
     """
+    from sculler_hdl.core import timing
     from sculler_hdl.verilog import generate
     from sculler_model.errors import InputError
     from sculler_sim.files import make_folder
@@ -89,12 +95,17 @@ def write_hardware(design: Design, folder: Path) -> list[Path]:
             f"{folder}: cannot write to the folder ({error.strerror}), give another"
         ) from error
     try:
-        verilog, manifest = (gathered / f"{design.name}{suffix}" for suffix in (".v", ".json"))
-        verilog.write_text(generated.verilog, encoding="ascii", newline="\n")
-        manifest.write_text(
-            json.dumps(generated.manifest, indent=2) + "\n", encoding="utf-8", newline="\n"
-        )
-        bench = write_testbench(design, gathered, generated.manifest["latency_clocks"])
-        return [file.replace(folder / file.name) for file in (verilog, manifest, *bench)]
+        texts = {
+            f"{design.name}.v": generated.verilog,
+            f"{design.name}.json": json.dumps(generated.manifest, indent=2) + "\n",
+            **{f"{cell}.v": text for cell, text in generated.cells.items()},
+        }
+        if generated.listing is not None:
+            texts[f"{design.name}_schedule.txt"] = generated.listing
+        for name, text in texts.items():
+            (gathered / name).write_text(text, encoding="utf-8", newline="\n")
+        bench = write_testbench(design, gathered, timing(design), generated.cells)
+        names = [*texts, *(file.name for file in bench)]
+        return [(gathered / name).replace(folder / name) for name in names]
     finally:
         shutil.rmtree(gathered)

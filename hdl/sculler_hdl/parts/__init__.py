@@ -1,5 +1,5 @@
 """The core's parts, each with one job.
 
-Every part that takes time has an attribute `latency`: clocks from an input to the output that
-depends on it.  All parts take one item per clock, so pipelines line up by adding latencies.
+A part that takes time is planned before it is built: its plan says at which clocks the bits of its
+inputs are looked at and those of its outputs are there (`words`), so pipelines line up by adding.
 """

@@ -1,52 +1,138 @@
 """Accumulation over a major interval."""
 
-from amaranth import C, Module, Mux, Signal
+from amaranth import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.parts.layout import vector
+from sculler_hdl.parts.words import (
+    Arrival,
+    FlagLine,
+    Word,
+    add,
+    first_limb_clock,
+    later,
+    limbs,
+)
 from sculler_model.wordlength import Interval
 
 
-class Accumulator(wiring.Component):
-    """Three running sums, restarted at each major interval's first sample.
-
-    In a clock with `step`, ``total' = before + (input if add else 0)``, where `before` is 0 at
-    `start`, else `total`; total' shows on `total` from the next clock on.
-
-    Latency 1 from `input` to `total`, 0 to `before`.
+class Accumulation:
+    """The plan of an `Accumulator`.
 
     Args:
         item: range of one addend.
-        total: worst-case range of the sum; wide enough for every partial sum (wordlength.py).
-        before: range of the sum before its last item, if narrower.
+        arrival: when the bits of `input` are there.
+        total: worst-case range of a sum; wide enough for every partial sum (wordlength.py).
+        limb: bits of a limb.
+        before: range of a sum before its last item, if narrower.
+        gap: clocks from one step to the next, at least.
+        sums: 1 or 3.
+        signs: whether some inputs are to be subtracted; those come inverted, with `carry`.
+
+    Attributes:
+        clock: at which `step` is looked at.
+        arrival: when the bits of `newest` are there.
+        before_arrival: when the bits of `before` are there.
     """
 
-    latency = 1
+    def __init__(
+        self,
+        item: Interval,
+        arrival: Arrival,
+        total: Interval,
+        limb: int,
+        before: Interval | None = None,
+        sums: int = 1,
+        gap: int = 1,
+        *,
+        signs: bool = False,
+    ) -> None:
+        if sums not in (1, 3):
+            raise ValueError(f"an accumulator makes 1 or 3 sums, not {sums}")
+        self.item = item
+        self.item_arrival = arrival
+        self.total = total
+        self.limb = limb
+        self.sums = sums
+        self.gap = gap
+        self.signs = signs
+        self.clock = first_limb_clock(arrival, limb)
+        bits = [(hi - lo, q) for q, lo, hi in limbs(total.bits, limb)]
+        self.arrival: Arrival = tuple((width, self.clock + q + 1) for width, q in bits)
+        self.before = before or total
+        self.before_arrival: Arrival = tuple(
+            (hi - lo, self.clock + q) for q, lo, hi in limbs(self.before.bits, limb)
+        )
 
-    def __init__(self, item: Interval, total: Interval, before: Interval | None = None) -> None:
+
+class Accumulator(wiring.Component):
+    """One adder for one running sum, or for three that take turns; restarted by themselves.
+
+    In a clock with `step` the present sum takes in `input`: ``newest' = before + input``.  After a
+    step with `last` it starts from 0 again.  Of three sums x, y, z the present one is x, y, z, x,
+    ... from step to step, and `last` comes with all three.
+
+    Members:
+        step, last, carry: at `plan.clock`.  `carry`, if there are `signs`, is added to the sum.
+        input: as it arrives.
+        before: the present sum as the step finds it; limb q at `plan.clock` + q.
+        newest: the sum that the step made; limb q from `plan.clock` + q + 1 to the next step.
+
+    Latency: 1 clock and one for each limb.
+
+    Args:
+        plan: the plan.
+    """
+
+    def __init__(self, plan: Accumulation) -> None:
+        self.plan = plan
         super().__init__(
             {
                 "step": In(1),
-                "start": In(1),
-                "add": In(1),
-                "input": In(vector(item)),
-                "before": Out(vector(before or total)),
-                "total": Out(vector(total)),
+                "last": In(1),
+                "carry": In(1),
+                "input": In(plan.item.bits),
+                "before": Out(plan.before.bits),
+                "newest": Out(plan.total.bits),
             }
         )
 
     def elaborate(self, platform: object) -> Module:
-        m = Module()
-        for axis, name in enumerate("xyz"):
-            held = Signal.like(self.total[axis], name=f"held_{name}", reset_less=True)
-            before = Signal.like(self.before[axis], name=f"before_{name}")
-            after = (before + self.input[axis])[: len(held)].as_signed()
-            m.d.comb += [
-                before.eq(Mux(self.start, C(0, before.shape()), held[: len(before)].as_signed())),
-                self.before[axis].eq(before),
-                self.total[axis].eq(held),
-            ]
-            with m.If(self.step):
-                m.d.sync += held.eq(Mux(self.add, after, before))
+        m, plan = Module(), self.plan
+        step = FlagLine(m, "step", self.step, plan.clock)
+        restart = Signal(init=1)  # the newest sum is finished
+        with m.If(self.step):
+            m.d.sync += restart.eq(self.last)
+        restarts = FlagLine(m, "restart", restart, plan.clock)
+
+        # the newest sum goes round through `sums` - 1 registers more
+        before: list[Value] = []
+        for q, lo, hi in limbs(plan.total.bits, plan.limb):
+            present: Value = Signal(hi - lo, name=f"present_{q}")
+            m.d.comb += present.eq(Mux(restarts.at(plan.clock + q), 0, self.newest[lo:hi]))
+            for place in range(plan.sums - 1, 0, -1):
+                register = Signal(hi - lo, name=f"waiting{place}_{q}")
+                with m.If(step.at(plan.clock + q)):
+                    m.d.sync += register.eq(present)
+                present = register
+            if plan.sums == 1 and plan.gap > 1:  # there is time for a register before the adder
+                register = Signal(hi - lo, name=f"waiting_{q}")
+                m.d.sync += register.eq(present)
+                present = register
+            before.append(present)
+        found = Word(m, "before", Cat(*before), later(plan.arrival, -1))
+        made = add(
+            found,
+            Word(m, "input", self.input, plan.item_arrival),
+            "total",
+            plan.total.bits,
+            plan.clock,
+            plan.limb,
+            carry=self.carry if plan.signs else None,
+            step=lambda q: step.at(plan.clock + q),
+        )
+        m.d.comb += [
+            self.newest.eq(made.value),
+            self.before.eq(found.value[: len(self.before)]),
+        ]
         return m

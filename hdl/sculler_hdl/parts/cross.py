@@ -1,67 +1,373 @@
-"""Sums of cross products."""
+"""Sums of cross products, shared over several clocks."""
 
-from amaranth import Module, Signal, signed
-from amaranth.lib import wiring
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import pairwise
+
+from amaranth import Cat, Module, Mux, Signal, Value
+from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.parts.layout import vector
-from sculler_hdl.parts.multiply import Multiplier
-from sculler_model.wordlength import ZERO, Interval, cross
+from sculler_hdl.parts.accumulate import Accumulation, Accumulator
+from sculler_hdl.parts.multiply import Product
+from sculler_hdl.parts.words import (
+    Arrival,
+    FlagLine,
+    Sum,
+    Word,
+    last_clock,
+    later,
+    lowest,
+    spans,
+)
+from sculler_hdl.target import Target
+from sculler_model.vectors import AXES
+from sculler_model.wordlength import ZERO, Interval
+
+CROSSES = ((0, 0), (0, 1), (1, 0))
+"""(left, right) of the three cross products: A x s, A x r, B x s; or alpha x theta and so on."""
+
+TOTALS = {"coning": (0,), "sculling": (1, 2)}
+"""Which cross products go into which total."""
+
+OPERANDS = ("left0", "left1", "right0", "right1")
+
+_During = Callable[[tuple[int, ...], int, FlagLine], Value]
 
 
-def cross_latency(pairs: int) -> int:
-    """Clocks of a sum of `pairs` cross products: multiply, subtract, and add if there are two."""
-    return Multiplier.latency + pairs
+@dataclass(frozen=True)
+class Sharing:
+    """How the 18 products of a launch are spread over clocks: 18 / `steps` units do them.
 
-
-class CrossSum(wiring.Component):
-    """output = left0 x right0 (+ left1 x right1), exact, six multipliers a product.
-
-    Members are left0, right0, left1, right1, output; vectors of three.
-
-    Latency: `cross_latency`; one sum per clock.
-
-    Args:
-        pairs: the operands' ranges, one or two pairs.
+    Attributes:
+        crosses: 3: the three cross products one after another, else 1.
+        sides: 2: first the products that are added, then those that are subtracted, else 1.
+        axes: 3: x, y, z one after another, else 1.
     """
 
-    def __init__(self, *pairs: tuple[Interval, Interval]) -> None:
-        if len(pairs) not in (1, 2):
-            raise ValueError(f"CrossSum takes one or two pairs, not {len(pairs)}")
-        self.pairs = pairs
-        self.products = [cross(left, right) for left, right in pairs]
-        self.result = sum(self.products, ZERO)
-        self.latency = cross_latency(len(pairs))
-        members = {}
-        for i, (left, right) in enumerate(pairs):
-            members[f"left{i}"] = In(vector(left))
-            members[f"right{i}"] = In(vector(right))
-        super().__init__({**members, "output": Out(vector(self.result))})
+    crosses: int = 1
+    sides: int = 1
+    axes: int = 1
+
+    @property
+    def steps(self) -> int:
+        """Clocks of a launch."""
+        return self.crosses * self.sides * self.axes
+
+    @property
+    def units(self) -> int:
+        """Product units."""
+        return 18 // self.steps
+
+
+SHARINGS = [
+    Sharing(),
+    Sharing(sides=2),
+    Sharing(axes=3),
+    Sharing(sides=2, axes=3),
+    Sharing(crosses=3, axes=3),
+    Sharing(crosses=3, sides=2, axes=3),
+]
+"""The choices, most units first."""
+
+
+@dataclass(frozen=True)
+class Operand:
+    """One of the four vectors: the range of a component, and when its bits are there."""
+
+    range: Interval
+    arrival: Arrival
+
+
+class Crossing:
+    """The plan of a `CrossArray`.
+
+    Args:
+        lefts, rights: the operands.
+        totals: ranges of the totals' components, coning and sculling.
+        sharing: how the units are shared.
+        target: whose multiplier blocks.
+        limb: bits of a limb.
+        fringe: most low bits of an operand that may go to rows of AND gates.
+
+    Attributes:
+        tiles: multiplier blocks in all.
+        results: for each total and axis, the component on the port and when its bits are there,
+            complete, after the last launch.
+    """
+
+    def __init__(
+        self,
+        lefts: tuple[Operand, Operand],
+        rights: tuple[Operand, Operand],
+        totals: tuple[Interval, Interval],
+        sharing: Sharing,
+        target: Target,
+        limb: int,
+        fringe: int,
+    ) -> None:
+        self.operands = dict(zip(OPERANDS, (*lefts, *rights), strict=True))
+        self.totals = dict(zip(TOTALS, totals, strict=True))
+        self.sharing = sharing
+        self.target = target
+        self.limb = limb
+        self.lanes = 3 // sharing.axes
+        self.sides = 2 // sharing.sides
+
+        # the pairs of operands that the units see, at the first step
+        taken = self.operands
+        self.pairs = [(f"left{a}", f"right{b}") for a, b in CROSSES]
+        if sharing.crosses == 3:
+            taken = {
+                "left": _joint(*lefts),
+                "right": _joint(*rights),
+            }
+            self.pairs = [("left", "right")]
+        self.held = int(sharing.steps > 1)
+        self.seen = {
+            name: Operand(item.range, later(item.arrival, self.held))
+            for name, item in taken.items()
+        }
+        self.products = [
+            Product(
+                target,
+                self.seen[a].range,
+                self.seen[b].range,
+                self.seen[a].arrival,
+                self.seen[b].arrival,
+                fringe,
+            )
+            for a, b in self.pairs
+        ]
+        self.tiles = sum(product.tiles for product in self.products) * self.sides * self.lanes
+
+        # what a step adds up for each total, and the adders behind
+        self.sums: dict[str, Sum] = {}
+        self.adders: dict[str, Accumulation] = {}
+        self.results: dict[str, list[tuple[int, Arrival]]] = {}
+        widest = Interval.signed(max(total.bits for total in totals))
+        for name, total in self.totals.items():
+            addends, item = [], ZERO
+            for product in self.products_of(name):
+                one = product.left * product.right
+                item += one - one if self.sides == 2 else one
+                for negative in (False, True)[: self.sides]:
+                    addends += [replace(part, negative=negative) for part in product.addends]
+            if item.bits > widest.bits:
+                item = widest  # modulo what the totals hold
+            self.sums[name] = Sum(addends, item, limb)
+            arrival = later(self.sums[name].arrival, sharing.sides - 1)
+            if item.bits > total.bits:  # as it may be of the other total
+                item, arrival = Interval.signed(total.bits), lowest(arrival, total.bits)
+            adder = self.adders[name] = Accumulation(
+                item, arrival, total, limb, sums=sharing.axes, signs=sharing.sides == 2
+            )
+            final = self.steps_of(name)[-1]
+            self.results[name] = [
+                (axis % self.lanes, later(adder.arrival, final - (2 - axis) * (sharing.axes == 3)))
+                for axis in range(3)
+            ]
+
+    def products_of(self, total: str) -> list[Product]:
+        """The products that a step forms for a total, each once or on both sides."""
+        if self.sharing.crosses == 3:
+            return self.products
+        return [self.products[cross] for cross in TOTALS[total]]
+
+    def steps_of(self, total: str) -> list[int]:
+        """The steps that add to a total."""
+        each = self.sharing.sides * self.sharing.axes
+        if self.sharing.crosses == 1:
+            return list(range(each))
+        return [cross * each + step for cross in TOTALS[total] for step in range(each)]
+
+    def steps_where(self, cross: int | None = None, side: int | None = None) -> list[int]:
+        """The steps of one of the crosses or one of the sides that take turns."""
+        axes, sides = self.sharing.axes, self.sharing.sides
+        return [
+            step
+            for step in range(self.sharing.steps)
+            if cross in (None, step // (axes * sides)) and side in (None, step // axes % sides)
+        ]
+
+
+class CrossArray(wiring.Component):
+    """coning += left0 x right0;  sculling += left0 x right1 + left1 x right0, at each launch.
+
+    The units take the products in `plan.sharing.steps` clocks, axis by axis inside side by side
+    inside cross by cross:
+
+        held operands, rotating ─▶ units: blocks and rows ─▶ Sum ─▶ Accumulator, sums rotating
+        x ◀─ y ◀─ z ◀─ x
+
+    The three components of each operand move round at every step, so that a unit finds what it
+    needs in the same place: place 1 times place 2 to be added, place 2 times place 1 to be
+    subtracted.
+
+    Members:
+        launch, last (clock 0): the operands are to be taken; the totals are then complete.
+        left0, left1, right0, right1: vectors, as they arrive.
+        coning, sculling: the totals' components, or the newest of them if axes take turns.
+
+    A launch may follow `plan.sharing.steps` clocks after the one before.
+
+    Args:
+        plan: the plan.
+        primitive: whether to instantiate the target's multiplier blocks.
+    """
+
+    def __init__(self, plan: Crossing, *, primitive: bool = True) -> None:
+        self.plan = plan
+        self.primitive = primitive
+        super().__init__(
+            {
+                "launch": In(1),
+                "last": In(1),
+                **{
+                    name: In(data.ArrayLayout(item.range.bits, 3))
+                    for name, item in plan.operands.items()
+                },
+                **{
+                    name: Out(data.ArrayLayout(total.bits, plan.lanes))
+                    for name, total in plan.totals.items()
+                },
+            }
+        )
 
     def elaborate(self, platform: object) -> Module:
-        m = Module()
-        for axis, name in enumerate("xyz"):
-            j, k = (axis + 1) % 3, (axis + 2) % 3
-            differences = []
-            for i, (left, right) in enumerate(self.pairs):
-                a, b = getattr(self, f"left{i}"), getattr(self, f"right{i}")
-                forward, backward = Multiplier(left, right), Multiplier(left, right)
-                m.submodules[f"forward{i}_{name}"] = forward
-                m.submodules[f"backward{i}_{name}"] = backward
-                difference = Signal(
-                    signed(self.products[i].bits), name=f"difference{i}_{name}", reset_less=True
-                )
+        m, plan = Module(), self.plan
+        launch, last = FlagLine(m, "launch", self.launch), FlagLine(m, "last", self.last)
+
+        @cache
+        def during(steps: tuple[int, ...], clock: int, flag: FlagLine) -> Value:
+            """High in the clocks of these steps, for a thing done at `clock` in step 0."""
+            high = Signal(name=f"{flag.name}_{steps[0]}to{steps[-1]}_{clock}")
+            m.d.sync += high.eq(Cat(flag.at(clock - 1 + step) for step in steps).any())
+            return high
+
+        places = {name: self._places(m, name, launch) for name in plan.operands}
+
+        def at_place(side: str, name: str, number: int, lo: int, hi: int, clock: int) -> Value:
+            """Bits of the component in a place, of the operand in turn if they take turns."""
+            if plan.sharing.crosses == 1:
+                return places[name][number].window(lo, hi, clock)
+            first, second = (places[f"{side}{i}"][number].window(lo, hi, clock) for i in (0, 1))
+            turn = plan.steps_where(cross=2 if side == "left" else 1)
+            return Mux(during(tuple(turn), clock, launch), second, first)
+
+        def seen(side: str, pair: int, forward: int, backward: int, axis: int) -> Word:
+            """A unit's operand: from the place of the forward product, or of the one in turn."""
+            name = plan.pairs[pair][side == "right"]
+            arrival = plan.seen[name].arrival
+            word_name = f"{side}{pair}_{forward}_{axis}"
+            bits: list[Value] = []
+            for lo, hi, clock in spans(arrival):
+                chosen = at_place(side, name, forward, lo, hi, clock)
+                if plan.sharing.sides == 2:
+                    swap = during(tuple(plan.steps_where(side=1)), clock, launch)
+                    chosen = Mux(swap, at_place(side, name, backward, lo, hi, clock), chosen)
+                piece = Signal(hi - lo, name=f"{word_name}_{lo}")
+                m.d.comb += piece.eq(chosen)
+                bits.append(piece)
+            return Word(m, word_name, Cat(*bits), arrival)
+
+        for lane in range(plan.lanes):
+            one, two = (lane + 1) % 3, (lane + 2) % 3
+            values: list[list[Value]] = []  # for each pair: both sides, or the one in turn
+            for pair, product in enumerate(plan.products):
+                found = []
+                for number, (a, b) in enumerate([(one, two), (two, one)][: plan.sides]):
+                    left = seen("left", pair, a, b, lane)
+                    right = seen("right", pair, b, a, lane)
+                    found += product.build(
+                        m,
+                        f"unit{pair}_{AXES[lane]}{number}",
+                        left,
+                        right,
+                        primitive=self.primitive,
+                    )
+                values.append(found)
+            built: dict[tuple[int, ...], Word] = {}
+            for name in TOTALS:
+                mine = TOTALS[name] if plan.sharing.crosses == 1 else (0,)
+                if mine not in built:
+                    terms = [value for pair in mine for value in values[pair]]
+                    built[mine] = plan.sums[name].build(m, f"{name}_{AXES[lane]}", terms)
+                adder = Accumulator(plan.adders[name])
+                m.submodules[f"{name}_{AXES[lane]}_total"] = adder
+                steps = plan.steps_of(name)
+                final = steps[-plan.sharing.axes :]
                 m.d.comb += [
-                    forward.left.eq(a[j]),
-                    forward.right.eq(b[k]),
-                    backward.left.eq(a[k]),
-                    backward.right.eq(b[j]),
+                    adder.input.eq(self._signed(m, name, built[mine], during, launch)),
+                    adder.step.eq(during(tuple(steps), adder.plan.clock, launch)),
+                    adder.last.eq(during(tuple(final), adder.plan.clock, last)),
+                    getattr(self, name)[lane].eq(adder.newest),
                 ]
-                m.d.sync += difference.eq(forward.output - backward.output)
-                differences.append(difference)
-            total = differences[0]
-            if len(differences) == 2:
-                total = Signal(signed(self.result.bits), name=f"total_{name}", reset_less=True)
-                m.d.sync += total.eq(differences[0] + differences[1])
-            m.d.comb += self.output[axis].eq(total)
+                if plan.sharing.sides == 2:
+                    backward = tuple(plan.steps_where(side=1))
+                    m.d.comb += adder.carry.eq(during(backward, adder.plan.clock, launch))
         return m
+
+    def _places(self, m: Module, name: str, launch: FlagLine) -> list[Word]:
+        """The three components of an operand where the units find them."""
+        plan = self.plan
+        words = [
+            Word(m, f"{name}_{axis}", getattr(self, name)[i], plan.operands[name].arrival)
+            for i, axis in enumerate(AXES)
+        ]
+        if not plan.held:
+            return words
+        side = name if plan.sharing.crosses == 1 else name[:-1]
+        arrival = plan.seen[side].arrival
+        held: list[list[Value]] = [[], [], []]
+        for lo, hi, clock in spans(arrival):
+            load = launch.at(clock - 1)
+            registers = [
+                Signal(hi - lo, name=f"held_{name}_{axis}_{lo}", reset_less=True) for axis in AXES
+            ]
+            for i, register in enumerate(registers):
+                held[i].append(register)
+                taken = words[i].window(lo, hi, clock - 1)
+                with m.If(load):
+                    m.d.sync += register.eq(taken)
+                if plan.sharing.axes == 3:
+                    with m.Else():
+                        m.d.sync += register.eq(registers[(i + 1) % 3])
+        return [
+            Word(m, f"held_{name}_{axis}", Cat(*held[i]), arrival) for i, axis in enumerate(AXES)
+        ]
+
+    def _signed(self, m: Module, name: str, word: Word, during: _During, launch: FlagLine) -> Value:
+        """What a step adds, inverted where it is to be subtracted."""
+        plan = self.plan
+        bits = plan.adders[name].item.bits
+        if plan.sharing.sides == 1:
+            return word.value[:bits]
+        backward = tuple(plan.steps_where(side=1))
+        pieces = []
+        for lo, hi, clock in spans(lowest(word.arrival, bits)):
+            piece = Signal(hi - lo, name=f"{name}_signed_{lo}", reset_less=True)
+            turned = during(backward, clock, launch).replicate(hi - lo)
+            m.d.sync += piece.eq(word.window(lo, hi, clock) ^ turned)
+            pieces.append(piece)
+        return Cat(*pieces)
+
+
+def _joint(a: Operand, b: Operand) -> Operand:
+    """An operand that is now the one and now the other: its bits come with the later."""
+    joint = a.range | b.range
+    ends = {end for item in (a, b) for _, end, _ in spans(item.arrival)}
+    cuts = sorted({0, joint.bits, *(end for end in ends if end < joint.bits)})
+    arrival = tuple(
+        (hi - lo, max(_clock_of(item, lo, hi) for item in (a, b))) for lo, hi in pairwise(cuts)
+    )
+    return Operand(joint, arrival)
+
+
+def _clock_of(operand: Operand, lo: int, hi: int) -> int:
+    """The clock at which bits lo..hi-1 are there, of which the upper may be the sign."""
+    top = operand.range.bits
+    return last_clock(operand.arrival, min(lo, top - 1), min(hi, top))

@@ -1,13 +1,20 @@
-"""Hand-over: the finished result's own storage and its handshake."""
+"""Handing results over to the host: all at once, or as a stream of words."""
 
-from amaranth import Module, Signal, unsigned
+from collections.abc import Iterator, Mapping
+
+from amaranth import C, Cat, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.parts.layout import vector
+from sculler_hdl.parts.words import Arrival, FlagLine, spans
 from sculler_model.cycles import PORT_MAJOR_BITS
-from sculler_model.vectors import VECTORS
+from sculler_model.stream import WORD_BITS
+from sculler_model.vectors import AXES, COLUMNS, VECTORS
 from sculler_model.wordlength import WordLengths
+
+Arrivals = Mapping[str, list[Arrival]]
+"""For each vector, when the bits of its three components are there.  Left out: always 0."""
 
 
 def result_layout(words: WordLengths) -> data.StructLayout:
@@ -15,46 +22,220 @@ def result_layout(words: WordLengths) -> data.StructLayout:
     return data.StructLayout({name: vector(getattr(words, name)) for name in VECTORS})
 
 
+def complete_clock(arrivals: Arrivals) -> int:
+    """The clock at which a result's last bits are there."""
+    return max(clock for three in arrivals.values() for one in three for _, clock in one)
+
+
+class _Collector:
+    """Takes the bits of a result where each comes by, at the clocks after `major_end`."""
+
+    def __init__(self, m: Module, major_end: Value, clock: int, arrivals: Arrivals) -> None:
+        self.m = m
+        self.arrivals = arrivals
+        self.line = FlagLine(m, "major_end", major_end, clock)
+
+    def pieces(self, source: Value) -> Iterator[tuple[str, int, int, int, Value, Value]]:
+        """(vector, axis, first bit, clock, pulse, bits) of each piece of the result."""
+        for name, three in self.arrivals.items():
+            for axis, arrival in enumerate(three):
+                for lo, hi, clock in spans(arrival):
+                    bits = Value.cast(source[name][axis])[lo:hi]
+                    yield name, axis, lo, clock, self.line.at(clock), bits
+
+
 class HandOver(wiring.Component):
-    """Holds a result while the next interval runs.
+    """Shows a result while the next interval runs.
 
-    `load` copies `input` and `input_status` and raises `valid` in the next clock; `taken` is high
-    in the clock the host takes the result.  The sequencer sees to it that `load` never comes
-    while a result waits.  Everything is 0 after reset.
+    The bits of a result are taken one after another as they come by, and shown together when the
+    last ones are there.  The sequencer sees to it that no bit of the next result comes while a
+    result waits.  Everything shown is 0 after reset.
 
-    Latency 1 from `load` to `valid`.
+    Members:
+        major_end (clock `clock`): the result of a major interval is on its way.
+        status (clock `clock`): its status.
+        input: the bits of its components, as `arrivals` says.
+        ready, valid, taken: the host's handshake; `taken` in the clock it takes the result.
+        shown_major, shown_status, output: what the host sees; changes only when `valid` rises.
+
+    Latency 1 from the last bits to `valid`.
+
+    Args:
+        words: the ranges of the components.
+        arrivals: when their bits are there.
+        clock: that `major_end` belongs to, not after the first bits.
     """
 
     latency = 1
 
-    def __init__(self, words: WordLengths) -> None:
+    def __init__(self, words: WordLengths, arrivals: Arrivals, clock: int) -> None:
         layout = result_layout(words)
+        self.arrivals = dict(arrivals)
+        self.clock = clock
+        self.complete = complete_clock(arrivals)
         super().__init__(
             {
-                "load": In(1),
+                "major_end": In(1),
+                "status": In(2),
                 "input": In(layout),
-                "input_status": In(2),
                 "ready": In(1),
                 "valid": Out(1),
                 "taken": Out(1),
-                "major": Out(unsigned(PORT_MAJOR_BITS)),
-                "status": Out(2),
+                "shown_major": Out(unsigned(PORT_MAJOR_BITS)),
+                "shown_status": Out(2),
                 "output": Out(layout),
             }
         )
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
-        next_major = Signal(unsigned(PORT_MAJOR_BITS))
+        collector = _Collector(m, self.major_end, self.clock, self.arrivals)
+        show = collector.line.at(self.complete)
+
+        def collected(pulse: Value, bits: Value, name: str) -> Value:
+            register = Signal(len(bits), name=f"collected_{name}", reset_less=True)
+            with m.If(pulse):
+                m.d.sync += register.eq(bits)
+            return register
+
+        components: dict[tuple[str, int], list[Value]] = {}
+        for name, axis, lo, clock, pulse, bits in collector.pieces(self.input):
+            if clock < self.complete:
+                bits = collected(pulse, bits, f"{name}_{AXES[axis]}_{lo}")
+            components.setdefault((name, axis), []).append(bits)
+        status = self.status
+        if self.clock < self.complete:
+            status = collected(self.major_end, status, "status")
+
         m.d.comb += self.taken.eq(self.valid & self.ready)
         with m.If(self.taken):
             m.d.sync += self.valid.eq(0)
-        with m.If(self.load):
+        major = _counter(m, show, PORT_MAJOR_BITS)
+        with m.If(show):
             m.d.sync += [
                 self.valid.eq(1),
-                self.output.eq(self.input),
-                self.status.eq(self.input_status),
-                self.major.eq(next_major),
-                next_major.eq(next_major + 1),
+                self.shown_status.eq(status),
+                self.shown_major.eq(major),
             ]
+            for (name, axis), pieces in components.items():
+                m.d.sync += self.output[name][axis].eq(Cat(*pieces))
         return m
+
+
+class StreamHandOver(wiring.Component):
+    """Hands a result over word by word (`sculler_model.stream`) while the next interval runs.
+
+    The bits of a result are put in their places in a shift register as they come by.  The
+    sequencer sees to it that no bit of the next result comes before the last word is taken.
+
+        input ─▶ [word N-1] ─▶ ... ─▶ [word 1] ─▶ [data]
+
+    The shift register moves one clock after `data`, which meanwhile looks one word further back,
+    so that the host's `ready` drives few registers.
+
+    Members:
+        major_end (clock `clock`): the result of a major interval is on its way.
+        status (clock `clock`): its status.
+        input: the bits of its components, as `arrivals` says.
+        ready, valid: the host's handshake for each word; data, last: the word.
+        taken: in the clock the host takes the last word.
+
+    Latency 1 from the last bits to `valid`; a word every clock.
+
+    Args:
+        words: the ranges of the components.
+        column_words: words of each column.
+        arrivals: when the bits of the components are there.
+        clock: that `major_end` belongs to, not after the first bits.
+    """
+
+    latency = 1
+
+    def __init__(
+        self, words: WordLengths, column_words: int, arrivals: Arrivals, clock: int
+    ) -> None:
+        self.column_words = column_words
+        self.arrivals = dict(arrivals)
+        self.clock = clock
+        self.complete = complete_clock(arrivals)
+        super().__init__(
+            {
+                "major_end": In(1),
+                "status": In(2),
+                "input": In(result_layout(words)),
+                "ready": In(1),
+                "valid": Out(1),
+                "taken": Out(1),
+                "data": Out(unsigned(WORD_BITS)),
+                "last": Out(1),
+            }
+        )
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        collector = _Collector(m, self.major_end, self.clock, self.arrivals)
+        count = len(COLUMNS) * self.column_words
+        words = [
+            self.data,
+            *(Signal(WORD_BITS, name=f"word{i}") for i in range(1, count)),
+        ]
+
+        # one word after another to the host
+        taken, move = Signal(), Signal()
+        left = Signal(range(count))  # words after the one in `data`
+        m.d.comb += [
+            taken.eq(self.valid & self.ready),
+            self.taken.eq(taken & self.last),
+        ]
+        m.d.sync += move.eq(taken)
+        with m.If(taken):
+            m.d.sync += [
+                self.data.eq(Mux(move, words[2], words[1])),
+                left.eq(left - 1),
+                self.last.eq(left == 1),
+            ]
+            with m.If(self.last):
+                m.d.sync += self.valid.eq(0)
+        with m.If(move):
+            for word, behind in zip(words[1:], [*words[2:], C(0, WORD_BITS)], strict=True):
+                m.d.sync += word.eq(behind)
+
+        # a result's bits to their places
+        major = _counter(m, self.major_end, WORD_BITS * self.column_words)
+        with m.If(self.major_end):
+            for i in range(self.column_words):
+                m.d.sync += words[i].eq(major.word_select(i, WORD_BITS))
+            m.d.sync += [
+                words[self.column_words].eq(self.status),
+                left.eq(count - 1),
+                self.last.eq(0),
+            ]
+        for name, axis, lo, _, pulse, bits in collector.pieces(self.input):
+            column = COLUMNS.index(f"{name}_{AXES[axis]}")
+            total = Value.cast(self.input[name][axis])
+            if lo + len(bits) == len(total):  # the sign goes on to the column's end
+                missing = WORD_BITS * self.column_words - len(total)
+                bits = Cat(bits, bits[-1].replicate(missing))
+            with m.If(pulse):
+                while len(bits):
+                    number, offset = divmod(lo, WORD_BITS)
+                    part, bits = bits[: WORD_BITS - offset], bits[WORD_BITS - offset :]
+                    word = words[column * self.column_words + number]
+                    m.d.sync += word[offset : offset + len(part)].eq(part)
+                    lo += len(part)
+        with m.If(collector.line.at(self.complete)):
+            m.d.sync += self.valid.eq(1)
+        return m
+
+
+def _counter(m: Module, step: Value, bits: int) -> Value:
+    """A counter of `step`s, which have to be more clocks apart than it has limbs of 16 bits."""
+    limbs = [Signal(min(16, bits - lo), name=f"major_{lo}") for lo in range(0, bits, 16)]
+    for i, limb in enumerate(limbs):
+        with m.If(step):
+            m.d.sync += limb.eq(limb + 1)
+        if i + 1 < len(limbs):
+            carry = Signal(name=f"major_carry{i}")
+            m.d.sync += carry.eq(step & limb.all())
+            step = carry
+    return Cat(*limbs)

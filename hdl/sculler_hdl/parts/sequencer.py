@@ -1,41 +1,58 @@
 """Sequencing: which sample is which, and when the next one may come."""
 
-from amaranth import C, Module, Signal
+from amaranth import C, Module, Mux, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.parts.layout import FLAGS, is_one_of
+from sculler_hdl.parts.layout import is_one_of
 from sculler_model.design import Design
 
 
 class Sequencer(wiring.Component):
     """Counts samples and minor intervals, and flags each accepted sample.
 
-    `sample_ready` depends on registers only.  It is low while the next sample would end a major
-    interval whose predecessor's result has not been taken: so at most one result is ever under
-    way or waiting, and the result registers cannot be overwritten.
+    `sample_ready` is a register.  It is low for `spacing` - 1 clocks after a sample, and while the
+    next sample would end a major interval whose predecessor's result has not been taken: so at
+    most one result is ever under way or waiting, and the result registers cannot be overwritten.
 
     Members:
         sample_valid, sample_ready, sample_fault: the sample port's handshake.
-        result_taken (in): the host takes the waiting result in this clock.
-        accept (out): a sample is taken in this clock.
-        phase (out): the present sample's phase, k - 1 = 0..n-1.
-        flags (out): the present sample's flags; all 0 when none is taken.
+        result_taken (in): the host takes the waiting result, to its last word, in this clock.
+        taken (out): a sample was taken in the clock before.  What follows is of that sample.
+        launch: its phase has a non-zero tap row, or is its minor interval's last.
+        minor_end, major_end: it is the last of its minor, major interval.
+        phase: k - 1 = 0..n-1.
+        first: it is the first of its major interval.
+        short: a tap or weight in use reached before the first sample since reset.
+        fault: the sensor's own mark.
+    Where no sample was taken, launch, minor_end and major_end are 0 and the others mean nothing.
+
+    Latency 1 from a sample to its flags.
+
+    Args:
+        design: the design.
+        spacing: clocks from one sample to the next, at least.
     """
 
-    latency = 0
+    latency = 1
 
-    def __init__(self, design: Design) -> None:
+    def __init__(self, design: Design, spacing: int) -> None:
         self.design = design
+        self.spacing = spacing
         super().__init__(
             {
                 "sample_valid": In(1),
-                "sample_ready": Out(1),
+                "sample_ready": Out(1, init=1),
                 "sample_fault": In(1),
                 "result_taken": In(1),
-                "accept": Out(1),
+                "taken": Out(1),
+                "launch": Out(1),
+                "minor_end": Out(1),
+                "major_end": Out(1),
                 "phase": Out(range(design.algorithm.samples)),
-                "flags": Out(FLAGS),
+                "first": Out(1),
+                "short": Out(1),
+                "fault": Out(1),
             }
         )
 
@@ -53,45 +70,69 @@ class Sequencer(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
-        table, minors = self.design.table, self.design.algorithm.minors
+        n, minors = self.design.table.samples, self.design.algorithm.minors
 
-        minor = Signal(range(minors))
-        awaited = Signal()  # a major interval has ended and its result is not yet taken
-        minor_end = Signal()
-        major_end = Signal()
+        accept = Signal()
+        m.d.comb += accept.eq(self.sample_valid & self.sample_ready)
+
+        # the place of the next sample, and what the place after it will be
+        phase, minor = Signal(range(n)), Signal(range(minors))
+        first = Signal(init=1)  # of its major interval
+        ends_minor = Signal(init=n == 1)
+        in_last_minor = Signal(init=minors == 1)
+        ends_major = Signal()
+        then_ends_minor, then_in_last_minor = Signal(), Signal()
         m.d.comb += [
-            minor_end.eq(self.phase == table.samples - 1),
-            major_end.eq(minor_end & (minor == minors - 1)),
-            self.sample_ready.eq(~(major_end & awaited)),
-            self.accept.eq(self.sample_valid & self.sample_ready),
+            ends_major.eq(ends_minor & in_last_minor),
+            then_ends_minor.eq(C(1) if n == 1 else phase == n - 2),
+            then_in_last_minor.eq(
+                C(1) if minors == 1 else Mux(ends_minor, minor == minors - 2, in_last_minor)
+            ),
         ]
-        with m.If(self.accept):
-            m.d.sync += self.phase.eq(self.phase + 1)
-            with m.If(minor_end):
-                m.d.sync += [self.phase.eq(0), minor.eq(minor + 1)]
-            with m.If(major_end):
-                m.d.sync += minor.eq(0)
-        with m.If(self.accept & major_end):
-            m.d.sync += awaited.eq(1)
-        with m.Elif(self.result_taken):
-            m.d.sync += awaited.eq(0)
+        with m.If(accept):
+            m.d.sync += [
+                phase.eq(Mux(ends_minor, 0, (phase + 1)[: len(phase)])),
+                first.eq(ends_major),
+                ends_minor.eq(then_ends_minor),
+                in_last_minor.eq(then_in_last_minor),
+            ]
+            with m.If(ends_minor):
+                m.d.sync += minor.eq(Mux(in_last_minor, 0, (minor + 1)[: len(minor)]))
+
+        # whether it may come
+        awaited = Signal()  # a major interval has ended and its result is not yet taken
+        still_awaited, then_ends_major = Signal(), Signal()
+        m.d.comb += [
+            still_awaited.eq((accept & ends_major) | (awaited & ~self.result_taken)),
+            then_ends_major.eq(Mux(accept, then_ends_minor & then_in_last_minor, ends_major)),
+        ]
+        m.d.sync += [
+            awaited.eq(still_awaited),
+            self.sample_ready.eq(~(then_ends_major & still_awaited)),
+        ]
+        if self.spacing > 1:
+            wait = Signal(range(self.spacing - 1))
+            with m.If(accept):
+                m.d.sync += [wait.eq(self.spacing - 2), self.sample_ready.eq(0)]
+            with m.Elif(wait != 0):
+                m.d.sync += [wait.eq(wait - 1), self.sample_ready.eq(0)]
 
         short = self.short_samples()
-        is_short = C(0, 1)
         if any(short):
             age = Signal(range(len(short) + 1))
-            with m.If(self.accept & (age != len(short))):
+            with m.If(accept & (age != len(short))):
                 m.d.sync += age.eq(age + 1)
             is_short = is_one_of(age, [t for t, value in enumerate(short) if value])
+            m.d.sync += self.short.eq(is_short)
 
-        tapped = [k - 1 for k in table.active_phases]
-        m.d.comb += [
-            self.flags.valid.eq(self.accept),
-            self.flags.start.eq((self.phase == 0) & (minor == 0)),
-            self.flags.tapped.eq(is_one_of(self.phase, tapped)),
-            self.flags.minor_end.eq(self.accept & minor_end),
-            self.flags.major_end.eq(self.accept & major_end),
-            self.flags.short.eq(is_short),
-            self.flags.fault.eq(self.sample_fault),
+        launches = [k - 1 for k in self.design.table.active_phases]
+        m.d.sync += [
+            self.taken.eq(accept),
+            self.launch.eq(accept & (is_one_of(phase, launches) | ends_minor)),
+            self.minor_end.eq(accept & ends_minor),
+            self.major_end.eq(accept & ends_major),
+            self.phase.eq(phase),
+            self.first.eq(first),
+            self.fault.eq(self.sample_fault),
         ]
         return m

@@ -1,14 +1,28 @@
 """Sums of samples times constant integers: taps (A, B) and weights (theta, v)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 
-from amaranth import C, Cat, Module, Mux, Signal, Value, signed
-from amaranth.lib import data, wiring
+from amaranth import C, Module, Mux, Signal, Value
+from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.parts.layout import is_one_of, vector
-from sculler_model.wordlength import Interval
+from sculler_hdl.parts.words import (
+    Addend,
+    Arrival,
+    FlagLine,
+    Sum,
+    Word,
+    add,
+    at_once,
+    first_limb_clock,
+    later,
+    limbs,
+)
+from sculler_model.vectors import AXES
+from sculler_model.wordlength import ZERO, Interval
 
 Rows = Mapping[int, Sequence[tuple[int, int]]]
 """Phase (0..n-1) -> pairs (distance, coefficient) that are not zero."""
@@ -30,7 +44,7 @@ def signed_digits(value: int) -> list[tuple[int, int]]:
 
 @dataclass(frozen=True)
 class Term:
-    """One sample, shifted, added or subtracted, in some phases only."""
+    """One sample, shifted, added or subtracted, for sums of some phases only."""
 
     distance: int
     shift: int
@@ -52,94 +66,142 @@ def terms_of(rows: Rows) -> list[Term]:
     return [Term(*key, tuple(when)) for key, when in sorted(phases.items())]
 
 
-def tree_latency(terms: Sequence[Term]) -> int:
-    """Clocks to add the terms two by two, with a register after every addition; at least 1."""
-    return max((len(terms) - 1).bit_length(), 1)
+class Weighting:
+    """The plan of a `WeightedSum`.
+
+    Args:
+        counts: range of one count.
+        rows: the coefficients.  In phases left out the output means nothing.
+        result: range of the sum.
+        phase_count: n.
+        limb: bits of a limb.
+
+    Attributes:
+        arrival: clocks from a sample's `step` at which the bits of its sum are there.
+        clock: from a sample's `step` to when the chain's lowest limb takes it in.
+    """
+
+    def __init__(
+        self, counts: Interval, rows: Rows, result: Interval, phase_count: int, limb: int
+    ) -> None:
+        self.counts = counts
+        self.rows = dict(rows)
+        self.result = result
+        self.phase_count = phase_count
+        self.limb = limb
+        terms = terms_of(self.rows)
+        distances = {term.distance for term in terms}
+        self.newest = 0 if 0 in distances else 1
+        self.distances = range(max(distances, default=1), self.newest - 1, -1)
+        self.terms = {d: [term for term in terms if term.distance == d] for d in self.distances}
+        self.products = {
+            d: Sum([self._addend(term) for term in terms], Interval.signed(self.bits(d)), limb)
+            for d, terms in self.terms.items()
+            if terms
+        }
+        arrivals = [product.arrival for product in self.products.values()]
+        self.clock = max((first_limb_clock(bits, limb) for bits in arrivals), default=0)
+        shown = self.clock + 1 - self.newest
+        self.arrival: Arrival = tuple(
+            (hi - lo, shown + q) for q, lo, hi in limbs(result.bits, limb)
+        )
+
+    def gate(self, term: Term) -> tuple[int, ...] | None:
+        """The phases of a sample that the term takes up; None if it may take all."""
+        if len(term.phases) == len(self.rows):
+            return None
+        return tuple(sorted((k - term.distance) % self.phase_count for k in term.phases))
+
+    def _addend(self, term: Term) -> Addend:
+        clock = 0 if self.gate(term) is None else 1
+        arrival = at_once(self.counts.bits, clock)
+        return Addend(self.counts | ZERO, arrival, term.shift, term.sign < 0)
+
+    def bits(self, distance: int) -> int:
+        """Width of the partial sum of a distance: what has come in from there on back."""
+        if distance == self.newest:
+            return self.result.bits
+        partial = [
+            sum((self.counts.scaled(c) for d, c in row if d >= distance), ZERO)
+            for row in self.rows.values()
+        ]
+        return reduce(Interval.__or__, partial, ZERO).bits
 
 
 class WeightedSum(wiring.Component):
     """sum over d of c[k][d] * sample[t-d] for three axes, by shifts and additions, no multiplier.
 
-    The coefficients are split into signed digits; the shifted samples are added in a binary tree
-    with a register after every addition.  Every node is as wide as the result at most: the true
-    sum fits there, so what an intermediate node drops modulo 2^width cannot matter.
+    The coefficients are split into signed digits.  Each sample is multiplied by the coefficients
+    of all distances when it comes, and the products wait in a chain of partial sums that moves
+    on by one distance with every sample (the transposed form of a filter):
 
-    Latency: the depth of the tree (`tree_latency`); one sum per clock.
+        sample ─┬─────────┬─────────┐
+               c[2]      c[1]      c[0]
+                └▶ sum 2 ─▶ sum 1 ──▶ sum 0
+
+    So the chain holds the history, and what earlier samples add to a sum has long been added when
+    the sum's last sample comes.  A sum without distance 0 is there before its own sample's step.
+
+    Members:
+        step (clock 0): a sample stands on `samples`.
+        phase (clock 0): the sample's phase, 0..n-1.
+        samples (clock 0): the newest sample, three axes.
+        output: the sum that belongs to the sample, for each sample in turn, as `plan.arrival` says.
+
+    Latency: `plan.arrival`; one sum per clock.  Reset makes all earlier samples 0.
 
     Args:
-        counts: range of one count.
-        reach: furthest distance on the `samples` port.
-        rows: the coefficients.  In phases left out the output means nothing.
-        result: range of the sum.
-        phase_count: n, for the width of `phase`.
-
-    Attributes:
-        phased: whether the sum differs from phase to phase, so that `phase` is looked at.
+        plan: the plan.
     """
 
-    def __init__(
-        self,
-        counts: Interval,
-        reach: int,
-        rows: Rows,
-        result: Interval,
-        phase_count: int,
-    ) -> None:
-        self.counts = counts
-        self.rows = dict(rows)
-        self.result = result
-        self.terms = terms_of(self.rows)
-        self.latency = tree_latency(self.terms)
-        self.phased = any(len(term.phases) < len(self.rows) for term in self.terms)
+    def __init__(self, plan: Weighting) -> None:
+        self.plan = plan
         super().__init__(
             {
-                "samples": In(data.ArrayLayout(vector(counts), reach + 1)),
-                "phase": In(range(phase_count)),
-                "output": Out(vector(result)),
+                "step": In(1),
+                "phase": In(range(plan.phase_count)),
+                "samples": In(vector(plan.counts)),
+                "output": Out(vector(plan.result)),
             }
         )
 
     def elaborate(self, platform: object) -> Module:
-        m = Module()
-        gates = {
-            phases: is_one_of(self.phase, list(phases))
-            for phases in {term.phases for term in self.terms}
-            if len(phases) < len(self.rows)
-        }
-        for axis in range(3):
-            leaves = []
-            for term in self.terms:
-                shifted = Cat(C(0, term.shift), self.samples[term.distance][axis]).as_signed()
-                if term.phases in gates:
-                    shifted = Mux(gates[term.phases], shifted, 0)
-                leaves.append((shifted, term.sign))
-            m.d.comb += self.output[axis].eq(self._tree(m, leaves, axis))
-        return m
-
-    def _tree(self, m: Module, nodes: list[tuple[Value, int]], axis: int) -> Value:
-        """Add (value, sign) pairs level by level; `latency` levels of registers."""
-        for level in range(self.latency):
-            pairs = [nodes[i : i + 2] for i in range(0, len(nodes), 2)]
-            nodes = []
-            for number, pair in enumerate(pairs):
-                total, sign = _add(pair)
-                if level == self.latency - 1 and sign < 0:
-                    total, sign = -total, 1
-                width = min(len(total), self.result.bits)
-                node = Signal(
-                    signed(width), name=f"sum{'xyz'[axis]}_{level}_{number}", reset_less=True
+        m, plan = Module(), self.plan
+        step = FlagLine(m, "step", self.step)
+        gates: dict[tuple[int, ...], Value] = {}
+        for terms in plan.terms.values():
+            for term in terms:
+                gate = plan.gate(term)
+                if gate is not None:
+                    gates.setdefault(gate, is_one_of(self.phase, list(gate)))
+        for i, axis in enumerate(AXES):
+            sample = self.samples[i]
+            gated: dict[tuple[int, ...], Value] = {}
+            for number, (gate, is_open) in enumerate(gates.items()):
+                register = Signal.like(sample, name=f"gated{number}_{axis}", reset_less=True)
+                m.d.sync += register.eq(Mux(is_open, sample, 0))
+                gated[gate] = register
+            total: Word | None = None
+            shared: dict[Hashable, Word] = {}
+            for d in plan.distances:
+                bits = plan.bits(d)
+                nothing = Word(m, "nothing", C(0, 0), (), low=bits)
+                product = nothing
+                if d in plan.products:
+                    gates_of = [plan.gate(term) for term in plan.terms[d]]
+                    taken = [sample if gate is None else gated[gate] for gate in gates_of]
+                    product = plan.products[d].build(m, f"product{d}_{axis}", taken, shared)
+                moved = add(
+                    total or nothing,
+                    product,
+                    f"sum{d}_{axis}",
+                    bits,
+                    plan.clock,
+                    plan.limb,
+                    step=lambda q: step.at(plan.clock + q),
                 )
-                m.d.sync += node.eq(total)
-                nodes.append((node, sign))
-        ((root, _sign),) = nodes
-        return root
-
-
-def _add(pair: list[tuple[Value, int]]) -> tuple[Value, int]:
-    """Add one or two signed nodes without a negation: returns (value, sign of the whole)."""
-    if len(pair) == 1:
-        return pair[0]
-    (a, sign_a), (b, sign_b) = pair
-    if sign_a == sign_b:
-        return a + b, sign_a
-    return (a - b, 1) if sign_a > 0 else (b - a, 1)
+                # its step is the last clock that shows a partial sum of the samples before
+                total = Word(m, f"sum{d}_{axis}", moved.value, later(moved.arrival, -1))
+            if total is not None:
+                m.d.comb += self.output[i].eq(total.value)
+        return m

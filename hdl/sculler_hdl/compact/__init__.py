@@ -1,0 +1,1 @@
+"""The compact core: one multiplication at a time, by a static schedule."""

@@ -1,0 +1,104 @@
+"""The compact core: small, exact, one multiplication at a time.
+
+sample ─▶ Loader ─▶ sample memory ─▶ Engine ─▶ result memory ─▶ Reader ─▶ stream of words
+             Control ──────────────────┘
+"""
+
+from __future__ import annotations
+
+from amaranth import Cat, Module
+from amaranth.lib import wiring
+
+from sculler_hdl.compact.control import Control
+from sculler_hdl.compact.engine import Engine
+from sculler_hdl.compact.listing import figures, listing
+from sculler_hdl.compact.loader import Loader
+from sculler_hdl.compact.memory import BlockMemory
+from sculler_hdl.compact.microcode import timing
+from sculler_hdl.compact.program import OPERAND
+from sculler_hdl.compact.reader import Reader
+from sculler_hdl.ports import port_members
+from sculler_model.design import Design
+from sculler_model.stream import WORD_BITS
+from sculler_model.vectors import AXES
+
+
+class CompactCore(wiring.Component):
+    """Coning and sculling accumulators of one design, exact in every bit.
+
+    Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.cycles`):
+        sample_valid, sample_ready; sample_gyro_x..z, sample_accel_x..z (signed counts),
+        sample_fault.
+        result_valid, result_ready, result_data, result_last: the words of `sculler_model.stream`.
+
+    Args:
+        design: the design.
+        primitive: whether to instantiate the target's own blocks; False infers all of them, with
+            the same behaviour on every clock.
+
+    Attributes:
+        timing: the clocks it takes.
+        resources: what it takes otherwise (`listing.figures`).
+        listing: its schedule as text.
+    """
+
+    def __init__(self, design: Design, *, primitive: bool = True) -> None:
+        self.design = design
+        self.primitive = primitive
+        self.timing = timing(design)
+        self.resources = figures(design)
+        self.listing = listing(design)
+        super().__init__(port_members(design))
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        target = self.design.hardware.target
+        m.submodules.control = control = Control(self.design)
+        m.submodules.loader = loader = Loader(self.design)
+        m.submodules.engine = engine = Engine(self.design, primitive=self.primitive)
+        m.submodules.reader = reader = Reader(self.design)
+        m.submodules.samples = samples = BlockMemory(
+            target, OPERAND.bits, [0] * (1 << len(loader.address)), primitive=self.primitive
+        )
+        m.submodules.results = results = BlockMemory(
+            target, WORD_BITS, [0] * (1 << len(reader.address)), primitive=self.primitive
+        )
+        take = self.sample_valid & self.sample_ready
+        # once high it stays so until a sample is taken: nothing else makes these true
+        waits = loader.busy | (control.has_work & engine.busy) | control.blocked
+        m.d.sync += self.sample_ready.eq(~(take | waits))
+        m.d.comb += [
+            # a sample is loaded
+            loader.take.eq(take),
+            *(
+                getattr(loader, sensor)[i].eq(getattr(self, f"sample_{sensor}_{axis}"))
+                for sensor in ("gyro", "accel")
+                for i, axis in enumerate(AXES)
+            ),
+            samples.write.eq(loader.write),
+            samples.write_address.eq(loader.address),
+            samples.write_data.eq(loader.data),
+            control.take.eq(take),
+            control.fault.eq(self.sample_fault),
+            control.loaded.eq(loader.loaded),
+            control.result_taken.eq(reader.taken),
+            # the engine works on it
+            engine.launch.eq(loader.loaded & control.has_work),
+            engine.conditions.eq(control.conditions),
+            engine.slot.eq(loader.slot),
+            samples.step.eq(engine.step),
+            samples.address.eq(engine.sample_address),
+            engine.sample_data.eq(samples.data.as_signed()),
+            results.write.eq(engine.store),
+            results.write_address.eq(Cat(engine.store_address, reader.filling)),
+            results.write_data.eq(engine.store_data),
+            # the result is read
+            reader.publish.eq(engine.publish),
+            reader.ready.eq(self.result_ready),
+            results.step.eq(1),
+            results.address.eq(reader.address),
+            self.result_valid.eq(reader.valid),
+            self.result_data.eq(results.data),
+            self.result_last.eq(reader.last),
+        ]
+        return m

@@ -1,0 +1,213 @@
+"""The engine: a multiplier, an accumulator, their memories and the program that drives them.
+
+    program ─▶ addresses ─▶ left memory ─────────────┐
+                       │                             ├─▶ Product ─▶ ± ─▶ accumulator ─▶ store
+                       └──▶ right | sample memory ───┘               (0 | same | >> 16)
+
+Each column of the figure is a stage of `Pipeline`; the program word of a clock holds what each
+stage does in it (`microcode`).
+"""
+
+from __future__ import annotations
+
+from amaranth import C, Cat, Module, Mux, Signal, Value, signed
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+
+from sculler_hdl.compact.control import CONDITIONS
+from sculler_hdl.compact.memory import BlockMemory
+from sculler_hdl.compact.microcode import microcode
+from sculler_hdl.compact.pipeline import pipeline
+from sculler_hdl.compact.product import Product
+from sculler_hdl.compact.program import OPERAND, When, kept_samples, program, sample_words
+from sculler_model.design import Design
+from sculler_model.stream import WORD_BITS, words_per_result
+
+BITS = OPERAND.bits
+
+
+class Engine(wiring.Component):
+    """Runs the program of one phase after another, each when it is launched.
+
+    Members:
+        launch (in): the newest sample is loaded and has work; not before the program of the one
+            before has ended.
+        conditions, slot (in): of the newest sample, looked at in the clock of `launch`.
+        busy (out): from launch until the next sample with work may be taken.
+        publish (out): the last of a major interval's words is being stored.
+        step (out): a clock in which the pipeline moves on.
+        sample_address (out), sample_data (in): to the sample memory, slot above index.
+        store, store_address, store_data (out): to the result memory.
+    """
+
+    def __init__(self, design: Design, *, primitive: bool = True) -> None:
+        self.design = design
+        self.primitive = primitive
+        self.target = design.hardware.target
+        self.delays = pipeline(design)
+        self.index_bits = (sample_words(design) - 1).bit_length()
+        self.slot_bits = (kept_samples(design) - 1).bit_length()
+        made = program(design)
+        self.left, self.right = (
+            BlockMemory(self.target, BITS, memory.initial, primitive=primitive)
+            for memory in (made.left, made.right)
+        )
+        # of the sample that is worked on
+        self.newest = Signal(self.slot_bits)
+        self.present = Signal(CONDITIONS)
+        super().__init__(
+            {
+                "launch": In(1),
+                "conditions": In(CONDITIONS),
+                "slot": In(self.slot_bits),
+                "busy": Out(1),
+                "publish": Out(1),
+                "step": Out(1),
+                "sample_address": Out(self.index_bits + self.slot_bits),
+                "sample_data": In(signed(BITS)),
+                "store": Out(1),
+                "store_address": Out(range(words_per_result(design))),
+                "store_data": Out(WORD_BITS),
+            }
+        )
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        operands, word = self._fetch(m)
+        left, right = self._operands(m, operands, word)
+        digit = self._accumulate(m, word, left, right)
+        for memory, store in ((self.left, word.store_left), (self.right, word.store_right)):
+            m.d.comb += [
+                memory.write.eq(store & self.step),
+                memory.write_address.eq(word.address),
+                memory.write_data.eq(digit),
+            ]
+        m.d.comb += [
+            self.store.eq(word.store_result & self.step),
+            self.store_address.eq(word.address),
+            self.store_data.eq(digit),
+        ]
+        return m
+
+    def _fetch(self, m: Module) -> tuple[data.View, data.View]:
+        """The program counter and memory; returns the halves of words that act in this step."""
+        code = microcode(self.design)
+        halves = {"operands": code.operands, "actions": code.actions}
+        layout = data.StructLayout({k: data.StructLayout(v) for k, v in halves.items()})
+        m.submodules.program = words = BlockMemory(
+            self.target, layout.size, code.packed(), written=False, primitive=self.primitive
+        )
+        fetched = data.View(layout, words.data)
+        word = Signal(layout["actions"].shape)
+        # until then it is unknown what the memory shows; words that act come later in any case
+        settling = Signal(range(words.latency + 1), init=words.latency)
+        with m.If(self.step):
+            m.d.sync += word.eq(fetched.actions)
+            with m.If(settling != 0):
+                m.d.sync += [word.eq(0), settling.eq(settling - 1)]
+        counter = Signal(range(len(code.words)))
+        running = Signal()
+        m.d.comb += [words.address.eq(counter), words.step.eq(self.step)]
+
+        if self.delays.step == 1:
+            m.d.comb += self.step.eq(1)
+        else:
+            clock = Signal(range(self.delays.step))
+            m.d.comb += self.step.eq(clock == self.delays.step - 1)
+            m.d.sync += clock.eq(clock + 1)
+            with m.If(self.step | self.launch):
+                m.d.sync += clock.eq(0)
+
+        with m.If(self.step & running):
+            m.d.sync += counter.eq(counter + 1)
+            with m.If(counter == len(code.words) - 1):
+                m.d.sync += counter.eq(0)
+        with m.If(self.step & word.last):
+            m.d.sync += running.eq(0)
+        with m.If(self.step & word.release):
+            m.d.sync += self.busy.eq(0)
+        with m.If(self.launch):
+            m.d.sync += [
+                running.eq(1),
+                self.busy.eq(1),
+                self.newest.eq(self.slot),
+                self.present.eq(self.conditions),
+            ]
+        m.d.comb += self.publish.eq(self.step & word.publish & self.present.major_end)
+        return fetched.operands, word
+
+    def _operands(self, m: Module, operands: data.View, word: data.View) -> tuple[Value, Value]:
+        """From the addresses in the word to the two operands."""
+        m.submodules.left, m.submodules.right = self.left, self.right
+        zero = program(self.design).idle.left.address
+        left_address = Signal(len(self.left.address))
+        right_address = Signal(len(self.right.address))
+        sample_address = Signal(len(self.sample_address))
+        index, distance = operands.right[: self.index_bits], operands.right[self.index_bits :]
+        counts = Signal()
+        with m.If(self.step):
+            m.d.sync += [
+                counts.eq(self._counts(operands.when)),
+                left_address.eq(operands.left),
+                right_address.eq(operands.right),
+                sample_address.eq(Cat(index, (self.newest - distance)[: self.slot_bits])),
+            ]
+            with m.If(~counts):
+                m.d.sync += left_address.eq(zero)
+        m.d.comb += [
+            self.left.step.eq(self.step),
+            self.right.step.eq(self.step),
+            self.left.address.eq(left_address),
+            self.right.address.eq(right_address),
+            self.sample_address.eq(sample_address),
+        ]
+        right = Mux(word.sample, self.sample_data, self.right.data.as_signed())
+        return self.left.data, right
+
+    def _counts(self, when: Value) -> Value:
+        """Whether the next step's left operand counts."""
+        present = self.present
+        choices = {
+            When.ALWAYS: C(1),
+            When.CONTINUED: ~present.first_minor,
+            When.LATER_MAJOR: ~present.first_major,
+            When.NEXT_MAJOR: present.first_minor & ~present.first_major,
+            When.FAULT: present.fault,
+            When.SHORT: present.short,
+        }
+        return Cat(choices[value] & (when == value) for value in When).any()
+
+    def _accumulate(self, m: Module, word: data.View, left: Value, right: Value) -> Value:
+        """Add or subtract the product; returns the accumulator's low digit, 16 or 18 bits of it.
+
+        To keep the addition short, the carry out of the low digit waits a step.  Then it goes
+        where its weight is: into the high part, or, when that moves down, into the low digit.
+        """
+        m.submodules.product = product = Product(self.design, primitive=self.primitive)
+        addend = Signal(signed(2 * BITS), reset_less=True)  # - product = ~product + 1
+        one = Signal(reset_less=True)
+        low = Signal(WORD_BITS, reset_less=True)
+        high_bits = program(self.design).accumulator.bits - WORD_BITS
+        high = Signal(signed(high_bits), reset_less=True)
+        carry = Signal(reset_less=True)
+        m.d.comb += [
+            product.step.eq(self.step),
+            product.left.eq(left),
+            product.right.eq(right),
+        ]
+
+        def base(same: Value, shifted: Value) -> Value:
+            return Mux(word.keep, same, Mux(word.shift, shifted, 0))
+
+        # a product that the accumulator is shifted for is never subtracted: `one` is 0
+        low_sum = base(low, high[:WORD_BITS]) + addend[:WORD_BITS] + Mux(word.shift, carry, one)
+        high_sum = (base(high, high >> WORD_BITS) + addend[WORD_BITS:].as_signed())[:high_bits]
+        with m.If(self.step):
+            m.d.sync += [
+                addend.eq(Mux(word.subtract, ~product.output, product.output)),
+                one.eq(word.subtract),
+                Cat(low, carry).eq(low_sum[: WORD_BITS + 1]),
+                high.eq((high_sum.as_signed() + (word.keep & carry))[:high_bits]),
+            ]
+        top = [high[0] ^ carry, high[1] ^ (high[0] & carry)]
+        return Cat(low, *(bit & word.signed for bit in top))

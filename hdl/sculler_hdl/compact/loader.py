@@ -1,0 +1,108 @@
+"""Writes each sample's digits into the sample memory."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from amaranth import C, Cat, Module, Mux, Signal, Value, signed, unsigned
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+
+from sculler_hdl.compact.program import (
+    OPERAND,
+    digit_count,
+    digits_per_count,
+    kept_samples,
+    sample_words,
+)
+from sculler_model.design import Design
+from sculler_model.stream import WORD_BITS
+
+
+class Loader(wiring.Component):
+    """Takes a sample in one clock and writes its digits in the clocks after, one each.
+
+    A sample has a slot of the memory, the next one for each sample, round and round.  In a slot
+    stand the digits of gyro x, y, z, then of accelerometer x, y, z, least significant first.
+    After reset every slot is written with zeros, because samples before the first are zero.
+
+    Members:
+        take (in): a sample is taken in this clock; not while `busy`.
+        gyro, accel (in): its counts.
+        busy (out): writing.
+        loaded (out): a sample's last digit is written in this clock.
+        slot (out): the newest sample's.
+        write, address, data (out): to the sample memory; the address is the index in the slot,
+            then the slot.
+    """
+
+    def __init__(self, design: Design) -> None:
+        self.design = design
+        self.slots = kept_samples(design)
+        self.words = sample_words(design)
+        index_bits = (self.words - 1).bit_length()
+        slot_bits = (self.slots - 1).bit_length()
+        words = design.words
+        super().__init__(
+            {
+                "take": In(1),
+                "gyro": In(data.ArrayLayout(signed(words.gyro.bits), 3)),
+                "accel": In(data.ArrayLayout(signed(words.accel.bits), 3)),
+                "busy": Out(1, init=1),
+                "loaded": Out(1),
+                "slot": Out(slot_bits),
+                "write": Out(1),
+                "address": Out(index_bits + slot_bits),
+                "data": Out(unsigned(OPERAND.bits)),
+            }
+        )
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        words, digits = self.design.words, digits_per_count(self.design)
+        bits = max(words.gyro.bits, words.accel.bits)
+        counts = [Signal(signed(bits), name=f"count{i}") for i in range(6)]
+        index = Signal(range(self.words))
+        clearing = Signal(init=1)
+        last = Signal()
+        m.d.comb += [
+            last.eq(index == self.words - 1),
+            self.loaded.eq(self.busy & last & ~clearing),
+            self.write.eq(self.busy),
+            self.address.eq(Cat(index, self.slot)),
+        ]
+
+        # the counts move up by one as each has been written
+        sample = [self.gyro[i] for i in range(3)] + [self.accel[i] for i in range(3)]
+        top = C(1) if digits == 1 else index[0]
+        with m.If(self.take):
+            m.d.sync += [count.eq(new) for count, new in zip(counts, sample, strict=True)]
+        with m.Elif(top):
+            m.d.sync += [count.eq(new) for count, new in pairwise(counts)]
+        m.d.comb += self.data.eq(self._digit(counts[0], index))
+
+        with m.If(self.busy):
+            m.d.sync += index.eq(index + 1)
+            with m.If(last):
+                m.d.sync += index.eq(0)
+                with m.If(clearing):
+                    m.d.sync += self.slot.eq(self.slot + 1)
+                with m.If(~clearing | (self.slot == self.slots - 1)):
+                    m.d.sync += [self.busy.eq(0), clearing.eq(0)]
+        with m.If(self.take):
+            m.d.sync += [self.busy.eq(1), self.slot.eq(self.slot + 1)]
+        return m
+
+    def _digit(self, count: Signal, index: Signal) -> Value:
+        """The digit to write: signed if it is its count's only or top one."""
+        words = self.design.words
+        if digits_per_count(self.design) == 1:
+            return count
+        low = Cat(count[:WORD_BITS], C(0, OPERAND.bits - WORD_BITS)).as_signed()
+        gyro_single, accel_single = (
+            digit_count(counts.bits) == 1 for counts in (words.gyro, words.accel)
+        )
+        if gyro_single or accel_single:
+            single = index < 6 if gyro_single else index >= 6
+            low = Mux(single, count[: OPERAND.bits].as_signed(), low)
+        return Mux(index[0], count[WORD_BITS:].as_signed(), low)

@@ -1,0 +1,150 @@
+"""Block memory with one write and one read port."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from amaranth import C, Cat, ClockSignal, Const, Instance, Module, Signal, Value, unsigned
+from amaranth.lib import memory, wiring
+from amaranth.lib.wiring import In, Out
+
+from sculler_hdl.compact.pipeline import memory_latency
+
+
+class BlockMemory(wiring.Component):
+    """Words in block memory.
+
+    `data` shows the word of `address`, `latency` steps later, a step being a clock in which
+    `step` is high; between, it keeps.  `write` puts `write_data` at `write_address`, from the next
+    clock on.  Reading a word in the very clock it is written gives nothing to rely on.
+
+    Args:
+        target: the design's target; the ECP5's block is instantiated where the memory fits, to
+            have its output register, which synthesis does not infer.
+        width, initial: bits of a word, and what the words hold at first (not after reset).
+        written: whether the write port is used.
+        primitive: False infers the memory for every target.
+    """
+
+    def __init__(
+        self,
+        target: str,
+        width: int,
+        initial: Sequence[int],
+        *,
+        written: bool = True,
+        primitive: bool = True,
+    ) -> None:
+        self.width = width
+        self.initial = [value & (1 << width) - 1 for value in initial]
+        self.written = written
+        self.latency = memory_latency(target)
+        self.instantiated = primitive and target == "ecp5" and len(self.initial) <= 2048
+        address = range(max(len(self.initial), 2))
+        super().__init__(
+            {
+                "step": In(1),
+                "address": In(address),
+                "data": Out(unsigned(width)),
+                "write": In(1),
+                "write_address": In(address),
+                "write_data": In(unsigned(width)),
+            }
+        )
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        if self.instantiated:
+            self._blocks(m)
+        else:
+            self._inferred(m)
+        return m
+
+    def _inferred(self, m: Module) -> None:
+        m.submodules.words = words = memory.Memory(
+            shape=unsigned(self.width), depth=max(len(self.initial), 2), init=self.initial
+        )
+        read = words.read_port()
+        m.d.comb += [read.addr.eq(self.address), read.en.eq(self.step)]
+        if self.written:
+            write = words.write_port()
+            m.d.comb += [
+                write.addr.eq(self.write_address),
+                write.data.eq(self.write_data),
+                write.en.eq(self.write),
+            ]
+        data: Value = read.data
+        for _ in range(self.latency - 1):
+            register = Signal(unsigned(self.width), name="output_reg", reset_less=True)
+            with m.If(self.step):
+                m.d.sync += register.eq(data)
+            data = register
+        m.d.comb += self.data.eq(data)
+
+    def _blocks(self, m: Module) -> None:
+        """As many blocks side by side as the width asks for."""
+        share = 18 if len(self.initial) <= 1024 else 9
+        for number, low in enumerate(range(0, self.width, share)):
+            initial = [value >> low & (1 << share) - 1 for value in self.initial]
+            piece = self.write_data[low : low + share]
+            data = Signal(18, name=f"data{number}_unused_above")  # so linters let it pass
+            m.submodules[f"block{number}"] = _dp16kd(
+                share, initial, self.step, self.address, data, self.write, self.write_address, piece
+            )
+            m.d.comb += self.data[low : low + share].eq(data)
+
+
+def _dp16kd(
+    width: int,
+    initial: Sequence[int],
+    step: Value,
+    address: Value,
+    data: Signal,
+    write: Value,
+    write_address: Value,
+    write_data: Value,
+) -> Instance:
+    """A block that is written through port A and read through port B with its output register."""
+    shift = {18: 4, 9: 3}[width]
+    ports: dict[str, Any] = {}
+    enables = C(3, 2) if width == 18 else C(0, 2)  # byte enables stand in the lowest address bits
+    addresses = {
+        "A": Cat(enables, C(0, shift - 2), write_address),
+        "B": Cat(C(0, shift), address),
+    }
+    for side, value in addresses.items():
+        bits = Cat(value, C(0, 14 - len(value)))
+        ports |= {f"i_AD{side}{bit}": bits[bit] for bit in range(14)}
+    inputs = Cat(write_data, C(0, 18 - len(write_data)))
+    ports |= {f"i_DIA{bit}": inputs[bit] for bit in range(18)}
+    ports |= {f"o_DOB{bit}": data[bit] for bit in range(18)}
+    for side, enable, register, writes in (
+        ("A", write, Const(1), write),
+        ("B", step, step, Const(0)),
+    ):
+        ports |= {
+            f"i_CLK{side}": ClockSignal(),
+            f"i_CE{side}": enable,
+            f"i_OCE{side}": register,
+            f"i_WE{side}": writes,
+            f"i_RST{side}": Const(0),
+            **{f"i_CS{side}{bit}": Const(0) for bit in range(3)},
+            f"p_DATA_WIDTH_{side}": width,
+            f"p_REGMODE_{side}": "NOREG" if side == "A" else "OUTREG",
+            f"p_WRITEMODE_{side}": "NORMAL",
+            f"p_CSDECODE_{side}": "0b000",
+        }
+    for row in range(64):
+        # 16 words of 18 bits in each, 20 bits apart; narrower words fill those 18 bits
+        ports[f"p_INITVAL_{row:02X}"] = Const(_initial_row(width, initial, row), 320)
+    return Instance("DP16KD", p_RESETMODE="SYNC", p_GSR="DISABLED", **ports)
+
+
+def _initial_row(width: int, initial: Sequence[int], row: int) -> int:
+    per_place = 18 // width
+    value = 0
+    for i, word in enumerate(initial[row * 16 * per_place : (row + 1) * 16 * per_place]):
+        place, part = divmod(i, per_place)
+        value |= word << 20 * place + width * part
+    return value

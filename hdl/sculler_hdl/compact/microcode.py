@@ -1,0 +1,159 @@
+"""The schedule as the words of the program memory, and the clocks that follow from it.
+
+A word says what every stage of the engine does in one step (horizontal microcode): the parts of an
+instruction stand in different words, each as many words later as its stage comes after the first
+(`Pipeline`).  So nothing needs to travel beside the data.  A word has two halves: `operands` acts
+when it is fetched, `actions` one step later, out of a register.
+
+The programs of the phases stand one after another.  Each begins with a word that does nothing, on
+which the engine waits; the next sample with work sets it going; after the last it goes to the
+first again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from sculler_hdl.compact.pipeline import Pipeline, pipeline
+from sculler_hdl.compact.program import (
+    Base,
+    Instruction,
+    SampleWord,
+    When,
+    kept_samples,
+    program,
+    sample_words,
+)
+from sculler_model.cycles import Timing
+from sculler_model.design import Design
+
+
+@dataclass(frozen=True)
+class Microcode:
+    """The program memory.
+
+    Attributes:
+        operands, actions: bits of each field of a word's halves, in the order they stand, least
+            significant first.
+        words: each word's fields that are not 0.
+        release: for each phase that has work, the step of its program that lets the next sample
+            with work in.
+        lengths: for each phase that has work, the words of its program, the first one included.
+    """
+
+    operands: dict[str, int]
+    actions: dict[str, int]
+    words: tuple[dict[str, int], ...]
+    release: dict[int, int]
+    lengths: dict[int, int]
+
+    def packed(self) -> list[int]:
+        """The words as integers."""
+        packed = []
+        for word in self.words:
+            value = position = 0
+            for name, width in (self.operands | self.actions).items():
+                value |= word.get(name, 0) << position
+                position += width
+            packed.append(value)
+        return packed
+
+
+def _bits(largest: int) -> int:
+    return max(1, largest.bit_length())
+
+
+def field_widths(design: Design) -> tuple[dict[str, int], dict[str, int]]:
+    """Bits of each field of a program word: of its operands and of its actions."""
+    made = program(design)
+    index_bits = (sample_words(design) - 1).bit_length()
+    distance_bits = (kept_samples(design) - 1).bit_length()
+    left, right = _bits(len(made.left.names) - 1), _bits(len(made.right.names) - 1)
+    operands = {
+        "left": left,
+        "right": max(right, index_bits + distance_bits),  # or a sample's index, then distance
+        "when": _bits(max(When)),
+    }
+    flags = ["sample", "subtract", "keep", "shift", "store_left", "store_right", "store_result"]
+    flags += ["signed", "release", "last", "publish"]
+    return operands, {"address": max(left, right), **dict.fromkeys(flags, 1)}
+
+
+def load_clocks(design: Design) -> int:
+    """Clocks to write a sample's digits, one each."""
+    return sample_words(design)
+
+
+@lru_cache(maxsize=32)
+def microcode(design: Design) -> Microcode:
+    """Encode a design's schedule."""
+    delays = pipeline(design)
+    words: list[dict[str, int]] = []
+    release, lengths = {}, {}
+    for phase, instructions in program(design).phases.items():
+        block = _encode(design, instructions, delays)
+        # The next program may be set going when the last word has acted, `memory` words later than
+        # it is fetched.  Its sample may be let in as much earlier as it takes to load.
+        early = (load_clocks(design) + 2) // delays.step
+        end = max(len(block) - 1, 1 + early)
+        block += [{} for _ in range(end + 1 + delays.memory - len(block))]
+        release[phase], lengths[phase] = end - early, len(block)
+        block[release[phase] - 1]["release"] = 1
+        block[end - 1]["last"] = 1
+        if phase == design.algorithm.samples:
+            block[end - 1]["publish"] = 1
+        words += block
+    return Microcode(*field_widths(design), tuple(words), release, lengths)
+
+
+def _encode(
+    design: Design, instructions: tuple[Instruction, ...], delays: Pipeline
+) -> list[dict[str, int]]:
+    """The first, empty word, then those of the instructions."""
+    index_bits = (sample_words(design) - 1).bit_length()
+    words: list[dict[str, int]] = [{} for _ in range(1 + len(instructions) + delays.store)]
+    acting = [{}, *words]  # by the step in which actions act
+    for number, instruction in enumerate(instructions, start=1):
+        right, store = instruction.right, instruction.store
+        from_sample = isinstance(right, SampleWord)
+        words[number - 1]["when"] = instruction.when
+        words[number] |= {
+            "left": instruction.left.address,
+            "right": (
+                right.index | right.distance << index_bits
+                if isinstance(right, SampleWord)
+                else right.address
+            ),
+        }
+        acting[number + delays.operand]["sample"] = int(from_sample)
+        acting[number + delays.addend]["subtract"] = int(instruction.subtract)
+        acting[number + delays.accumulate] |= {
+            "keep": int(instruction.base is Base.KEEP),
+            "shift": int(instruction.base is Base.SHIFT),
+        }
+        if store is not None:
+            acting[number + delays.store] |= {
+                "address": store.address,
+                "signed": int(store.signed),
+            } | {f"store_{memory}": 1 for memory in sorted(store.memories)}
+    return words
+
+
+def timing(design: Design) -> Timing:
+    """The clocks the compact core takes (`sculler_model.cycles`)."""
+    delays, code = pipeline(design), microcode(design)
+    n = design.algorithm.samples
+    loaded = load_clocks(design) + 1  # clocks from taking a sample to the engine's first
+    work = {  # sample_ready follows a clock later, as it does below
+        phase: loaded + (release + delays.memory + 1) * delays.step + 1
+        for phase, release in code.release.items()
+    }
+    end = code.lengths[n] - 1 - delays.memory
+    return Timing(
+        latency=loaded + (end + delays.memory + 1) * delays.step + delays.memory,
+        spacing=loaded + 1,
+        startup=kept_samples(design) * load_clocks(design) + 1,
+        work=tuple(work.get(k, 0) for k in range(1, n + 1)),
+        word_spacing=1 + delays.memory,
+    )

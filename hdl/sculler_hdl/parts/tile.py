@@ -1,0 +1,127 @@
+"""One multiplier block."""
+
+from typing import Any
+
+from amaranth import ClockSignal, Const, Instance, Module, Signal, signed
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from sculler_hdl.target import Target
+
+
+class Tile(wiring.Component):
+    """output = left * right, exact, in one multiplier block of the target.
+
+    Registers before, inside and behind the multiplier; they are not reset.
+
+    Latency 3, one product per clock.
+
+    Args:
+        target: whose block it is.
+        left_bits, right_bits: widths of the signed operands, at most `target.tile_bits`.
+        product_bits: low bits of the product to give; None for all.
+        primitive: whether to instantiate the block where the target has one of its own.  False
+            gives the same behaviour by inference, for simulators that run no instances.
+
+    Raises:
+        ValueError: an operand wider than the block's.
+    """
+
+    latency = 3
+
+    def __init__(
+        self,
+        target: Target,
+        left_bits: int,
+        right_bits: int,
+        product_bits: int | None = None,
+        *,
+        primitive: bool = True,
+    ) -> None:
+        if left_bits > target.tile_bits[0] or right_bits > target.tile_bits[1]:
+            raise ValueError(f"{left_bits} x {right_bits} bits do not fit {target}")
+        self.target = target
+        self.primitive = primitive
+        super().__init__(
+            {
+                "left": In(signed(left_bits)),
+                "right": In(signed(right_bits)),
+                "output": Out(signed(product_bits or left_bits + right_bits)),
+            }
+        )
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        block = {"ecp5": _mult18x18d, "ice40": _sb_mac16}.get(self.target.name)
+        if block is not None and self.primitive:
+            left, right = (
+                Signal(signed(bits), name=name)
+                for bits, name in zip(
+                    self.target.tile_bits, ("block_left", "block_right"), strict=True
+                )
+            )
+            # linters let pass what is called unused
+            product = Signal(signed(sum(self.target.tile_bits)), name="product_unused_above")
+            m.d.comb += [
+                left.eq(self.left),
+                right.eq(self.right),
+                self.output.eq(product[: len(self.output)]),
+            ]
+            m.submodules.block = block(left, right, product)
+            return m
+        left = Signal.like(self.left, name="left_reg", reset_less=True)
+        right = Signal.like(self.right, name="right_reg", reset_less=True)
+        inside = Signal.like(self.output, name="inside_reg", reset_less=True)
+        product = Signal.like(self.output, name="product_reg", reset_less=True)
+        m.d.sync += [
+            left.eq(self.left),
+            right.eq(self.right),
+            inside.eq((left * right)[: len(inside)]),
+            product.eq(inside),
+        ]
+        m.d.comb += self.output.eq(product)
+        return m
+
+
+def _mult18x18d(left: Signal, right: Signal, product: Signal) -> Instance:
+    ports: dict[str, Any] = {}
+    for prefix, value in (("i_A", left), ("i_B", right), ("o_P", product)):
+        ports |= {f"{prefix}{bit}": value[bit] for bit in range(len(value))}
+    registers = ("INPUTA", "INPUTB", "PIPELINE", "OUTPUT")
+    return Instance(
+        "MULT18X18D",
+        **{f"p_REG_{register}_CLK": "CLK0" for register in registers},
+        i_CLK0=ClockSignal(),
+        i_CE0=Const(1),
+        i_RST0=Const(0),
+        i_SIGNEDA=Const(1),
+        i_SIGNEDB=Const(1),
+        i_SOURCEA=Const(0),
+        i_SOURCEB=Const(0),
+        **ports,
+    )
+
+
+def _sb_mac16(left: Signal, right: Signal, product: Signal) -> Instance:
+    used = Const(1, 1)
+    registers = (
+        "A_REG",
+        "B_REG",
+        "TOP_8x8_MULT_REG",
+        "BOT_8x8_MULT_REG",
+        "PIPELINE_16x16_MULT_REG1",
+        "PIPELINE_16x16_MULT_REG2",
+    )
+    return Instance(
+        "SB_MAC16",
+        **{f"p_{register}": used for register in registers},
+        p_A_SIGNED=used,
+        p_B_SIGNED=used,
+        p_TOPOUTPUT_SELECT=Const(3, 2),  # the multiplier's last register
+        p_BOTOUTPUT_SELECT=Const(3, 2),
+        i_CLK=ClockSignal(),
+        i_CE=Const(1),
+        i_A=left,
+        i_B=right,
+        o_O=product,
+    )

@@ -1,0 +1,369 @@
+"""Skewed words: integers whose bits do not all arrive at the same clock.
+
+A long addition is cut into limbs of at most `limb` bits: limb 0 takes bits 0..limb-1 of the sum
+and so on.  Limb q of every sum is worked on q clocks after limb 0, with the carry between them in a
+register; so a whole tree of additions, however deep, costs one clock per further limb once, not at
+every level.  Bits that are there early wait in registers.
+
+    clock      0        1        2
+    limb 0   a0+b0 ─▶ ab0+cd0
+    limb 1            a1+b1 ─▶ ab1+cd1
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from dataclasses import dataclass
+
+from amaranth import C, Cat, Module, Signal, Value
+
+from sculler_model.wordlength import Interval
+
+Arrival = tuple[tuple[int, int], ...]
+"""(width, clock) of consecutive bits, lowest first: when the bits of a word are there."""
+
+
+def at_once(bits: int, clock: int = 0) -> Arrival:
+    """All bits at the same clock."""
+    return ((bits, clock),)
+
+
+def later(arrival: Arrival, clocks: int) -> Arrival:
+    """The same bits so many clocks later."""
+    return tuple((bits, clock + clocks) for bits, clock in arrival)
+
+
+def lowest(arrival: Arrival, bits: int) -> Arrival:
+    """Only the lowest bits."""
+    return tuple((min(end, bits) - lo, clock) for lo, end, clock in spans(arrival) if lo < bits)
+
+
+def spans(arrival: Arrival, low: int = 0) -> Iterator[tuple[int, int, int]]:
+    """(first bit, end bit, clock) of each piece, when bit 0 of the word weighs 2^low."""
+    for bits, clock in arrival:
+        yield low, low + bits, clock
+        low += bits
+
+
+def last_clock(arrival: Arrival, lo: int = 0, hi: int | None = None) -> int:
+    """The clock at which all of bits lo..hi-1 are there."""
+    return max(
+        clock for first, end, clock in spans(arrival) if end > lo and (hi is None or first < hi)
+    )
+
+
+def first_limb_clock(arrival: Arrival, limb: int, low: int = 0) -> int:
+    """The earliest clock at which limb 0 may be worked on, so that no later limb has to wait."""
+    return max(clock - first // limb for first, _, clock in spans(arrival, low))
+
+
+def limbs(bits: int, limb: int) -> Iterator[tuple[int, int, int]]:
+    """(number, first bit, end bit) of each limb of a word."""
+    for number, lo in enumerate(range(0, bits, limb)):
+        yield number, lo, min(bits, lo + limb)
+
+
+class Word:
+    """A signed word inside a module: its bits and when they arrive.
+
+    Args:
+        m: the module, which gets the registers that delay bits.
+        name: for those registers.
+        value: the bits.
+        arrival: when they are there.
+        low: weight of the lowest bit, as a power of two.
+    """
+
+    def __init__(self, m: Module, name: str, value: Value, arrival: Arrival, low: int = 0) -> None:
+        if len(value) != sum(bits for bits, _ in arrival):
+            raise ValueError(f"{name}: {len(value)} bits do not arrive as {arrival}")
+        self.m = m
+        self.name = name
+        self.value = value
+        self.arrival = arrival
+        self.low = low
+        self._made: dict[tuple[int, int, int, bool], Value] = {}
+
+    def window(self, lo: int, hi: int, clock: int, *, inverted: bool = False) -> Value:
+        """Bits of weight 2^lo..2^(hi-1) at a clock: zeros below the word, its sign above.
+
+        Raises:
+            ValueError: a bit is not there yet.
+        """
+        top = self.low + len(self.value)
+        parts: list[Value] = []
+        if lo < min(hi, self.low):
+            zeros = min(hi, self.low) - lo
+            parts.append(C(-1 if inverted else 0, zeros))
+        for first, end, arrives in spans(self.arrival, self.low):
+            begin, stop = max(first, lo), min(end, hi)
+            if begin < stop:
+                parts.append(self._at(begin, stop, clock - arrives, inverted))
+        if hi > top:
+            sign = self._at(top - 1, top, clock - self.arrival[-1][1], inverted)
+            parts.append(sign.replicate(hi - max(lo, top)))
+        return Cat(*parts)
+
+    def _at(self, lo: int, hi: int, clocks: int, inverted: bool) -> Value:
+        if clocks < 0:
+            raise ValueError(f"{self.name}: bits {lo}..{hi - 1} come {-clocks} clocks too late")
+        key = (lo, hi, clocks, inverted)
+        if key not in self._made:
+            if clocks == 0:
+                bits = self.value[lo - self.low : hi - self.low]
+                self._made[key] = ~bits if inverted else bits
+            else:
+                before = self._at(lo, hi, clocks - 1, False)
+                kind = "not" if inverted else "later"
+                register = Signal(hi - lo, name=f"{self.name}_{kind}{clocks}_{lo}", reset_less=True)
+                self.m.d.sync += register.eq(~before if inverted else before)
+                self._made[key] = register
+        return self._made[key]
+
+
+def add(
+    left: Word,
+    right: Word,
+    name: str,
+    top: int,
+    clock: int,
+    limb: int,
+    *,
+    subtract: bool = False,
+    carry: Value | None = None,
+    step: Callable[[int], Value] | None = None,
+) -> Word:
+    """left + right or left - right, modulo 2^top, in registers: limb q at `clock` + q + 1.
+
+    Args:
+        left, right: the operands; limb q of both is there at `clock` + q.
+        name: for the registers.
+        top: end bit of the result; its lowest, where limb 0 starts, is the lower of the operands'.
+        clock: at which limb 0 is added.
+        limb: bits of a limb.
+        subtract: the difference instead.
+        carry: added at the lowest bit where the operands meet.
+        step: limb q is taken only where step(q) is 1, else kept; it starts from 0 and is reset.
+            Without it a sum is taken at every clock.
+    """
+    m = left.m
+    low = min(left.low, right.low)
+    start = right.low if subtract else max(left.low, right.low)
+    lower = left if subtract or left.low <= right.low else right
+    pieces: list[Value] = []
+    arrival: list[tuple[int, int]] = []
+    borrowing = subtract  # the lowest limb subtracts; the others add the inverted operand
+    for q, first, end in limbs(top - low, limb):
+        lo, hi, now = low + first, low + end, clock + q
+        begin = min(max(lo, start), hi)
+        bits = [lower.window(lo, begin, now)] if lo < begin else []
+        more = int(begin < hi < top)  # a carry goes on
+        if begin < hi:
+            width = hi - begin + more
+            x = left.window(begin, hi, now)
+            y = right.window(begin, hi, now, inverted=subtract and not borrowing)
+            if borrowing:
+                total = Cat(x, C(1, more)) - Cat(y, C(0, more))
+                borrowing = False
+            elif carry is None:
+                total = x + y
+            else:
+                total = (x + y)[:width] + carry
+            bits.append(total[:width])
+        piece = Signal(hi - lo + more, name=f"{name}_{q}", reset_less=step is None)
+        if step is None:
+            m.d.sync += piece.eq(Cat(*bits))
+        else:
+            with m.If(step(q)):
+                m.d.sync += piece.eq(Cat(*bits))
+        pieces.append(piece[: hi - lo])
+        carry = piece[-1] if more else None
+        arrival.append((hi - lo, now + 1))
+    return Word(m, name, Cat(*pieces), tuple(arrival), low)
+
+
+@dataclass(frozen=True)
+class Addend:
+    """What a sum knows of a term before it is built.
+
+    Attributes:
+        range: of the integer in the term's bits, which weighs 2^low.
+        arrival: when its bits are there.
+        low: weight of its lowest bit.
+        negative: whether it is subtracted.
+    """
+
+    range: Interval
+    arrival: Arrival
+    low: int = 0
+    negative: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class _Node:
+    addend: Addend
+    ready: int  # first_limb_clock of its bits, counted from its lowest
+    order: int  # of a term among the terms; of a sum among the sums
+    parts: tuple[_Node, _Node] | None = None
+
+
+class Sum:
+    """The sum of shifted signed terms, two by two, whatever is there first added first.
+
+    A register stands behind every addition.  Every sum is as wide as its terms demand, and never
+    wider than the result: what it then drops modulo 2^width cannot matter.
+
+    Args:
+        addends: the terms.
+        result: range of the sum.
+        limb: bits of a limb.
+
+    Attributes:
+        arrival: when the bits of the sum are there; a single positive term is the sum itself.
+    """
+
+    def __init__(self, addends: Sequence[Addend], result: Interval, limb: int) -> None:
+        self.addends = list(addends)
+        self.result = result
+        self.limb = limb
+        self._sums = 0
+        nodes = [
+            _Node(term, first_limb_clock(term.arrival, limb), i)
+            for i, term in enumerate(self.addends)
+            if term.low < result.bits  # the others cannot matter either
+        ]
+        while len(nodes) > 1:
+            nodes.sort(key=lambda node: (node.ready, node.addend.low))
+            first = nodes.pop(0)
+            soonest = nodes[0].ready
+            second = min(
+                (node for node in nodes if node.ready == soonest),
+                key=lambda node: (
+                    node.addend.negative == first.addend.negative,
+                    abs(node.addend.low - first.addend.low),
+                ),
+            )
+            nodes.remove(second)
+            nodes.append(self._pair(first, second))
+        (root,) = nodes
+        if root.addend.negative:
+            zero = Addend(Interval(0, 0), at_once(1, root.ready), root.addend.low)
+            root = self._pair(_Node(zero, root.ready, -1), root)
+        self._root = root
+        self._word_low = root.addend.low
+        self.arrival = self._widened(root.addend)
+
+    def _pair(self, a: _Node, b: _Node) -> _Node:
+        if a.addend.negative and not b.addend.negative:
+            a, b = b, a
+        low = min(a.addend.low, b.addend.low)
+        x, y = (node.addend.range.scaled(1 << (node.addend.low - low)) for node in (a, b))
+        subtract = a.addend.negative != b.addend.negative
+        total = x - y if subtract else x + y
+        ready = 1 + max(
+            first_limb_clock(node.addend.arrival, self.limb, node.addend.low - low)
+            for node in (a, b)
+        )
+        bits = min(total.bits, self.result.bits - low)
+        arrival = tuple((hi - lo, ready + q) for q, lo, hi in limbs(bits, self.limb))
+        self._sums += 1
+        addend = Addend(total, arrival, low, a.addend.negative)
+        return _Node(addend, ready, self._sums, (a, b))
+
+    def _widened(self, addend: Addend) -> Arrival:
+        """The arrival of all bits of the result: zeros below and signs above are added."""
+        pieces = list(addend.arrival)
+        if addend.low:
+            pieces.insert(0, (addend.low, pieces[0][1] - addend.low // self.limb))
+        missing = self.result.bits - sum(bits for bits, _ in pieces)
+        while missing < 0:  # a single term may be wider than the result
+            bits, clock = pieces.pop()
+            kept = max(bits + missing, 0)
+            missing += bits - kept
+            if kept:
+                pieces.append((kept, clock))
+        pieces[-1] = (pieces[-1][0] + missing, pieces[-1][1])
+        return tuple(pieces)
+
+    def build(
+        self,
+        m: Module,
+        name: str,
+        terms: Sequence[Value],
+        shared: dict[Hashable, Word] | None = None,
+    ) -> Word:
+        """Put the sum into a module.
+
+        Args:
+            m: the module.
+            name: for the registers.
+            terms: the bits of the addends.
+            shared: sums of the same terms that other sums of the module have built, to be used
+                again, shifted; those built now are added.
+        """
+        root = self._build(m, name, self._root, terms, {} if shared is None else shared)
+        parts = [
+            root.window(lo, hi, clock) for lo, hi, clock in spans(self.arrival) if lo >= root.low
+        ]
+        zeros = [C(0, root.low)] if root.low else []
+        return Word(m, name, Cat(*zeros, *parts), self.arrival)
+
+    def _build(
+        self,
+        m: Module,
+        name: str,
+        node: _Node,
+        terms: Sequence[Value],
+        shared: dict[Hashable, Word],
+    ) -> Word:
+        addend = node.addend
+        if node.parts is None:
+            term = C(0, 1) if node.order < 0 else terms[node.order]
+            return Word(m, f"{name}_term{node.order}", term, addend.arrival, addend.low)
+        key = self._key(node, terms)
+        if key not in shared:
+            left, right = (self._build(m, name, part, terms, shared) for part in node.parts)
+            signs = {part.addend.negative for part in node.parts}
+            shared[key] = add(
+                left,
+                right,
+                f"{name}_sum{node.order}",
+                addend.low + sum(bits for bits, _ in addend.arrival),
+                node.ready - 1,
+                self.limb,
+                subtract=len(signs) == 2,
+            )
+        made = shared[key]
+        return Word(m, f"{name}_sum{node.order}", made.value, made.arrival, addend.low)
+
+    def _key(self, node: _Node, terms: Sequence[Value]) -> Hashable:
+        """What the node's bits are, whatever they weigh."""
+        if node.parts is None:
+            return None if node.order < 0 else id(terms[node.order]), node.addend.arrival
+        subtracts = len({part.addend.negative for part in node.parts}) == 2
+        parts = [(self._key(part, terms), part.addend.low - node.addend.low) for part in node.parts]
+        return subtracts, node.addend.arrival, *parts
+
+
+class FlagLine:
+    """A flag of one bit at every clock from `clock` on, in registers that reset clears."""
+
+    def __init__(self, m: Module, name: str, value: Value, clock: int = 0) -> None:
+        self.m = m
+        self.name = name
+        self.clock = clock
+        self._taps: list[Value] = [value]
+
+    def at(self, clock: int) -> Value:
+        """The flag at a clock.
+
+        Raises:
+            ValueError: a clock before the flag is there.
+        """
+        if clock < self.clock:
+            raise ValueError(f"{self.name}: is there at clock {self.clock}, not at {clock}")
+        while len(self._taps) <= clock - self.clock:
+            tap = Signal(name=f"{self.name}_{self.clock + len(self._taps)}")
+            self.m.d.sync += tap.eq(self._taps[-1])
+            self._taps.append(tap)
+        return self._taps[clock - self.clock]

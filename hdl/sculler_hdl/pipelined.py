@@ -1,0 +1,395 @@
+"""The pipelined core: up to one six-axis sample per clock, exact results once a major interval.
+
+                                        alpha, nu
+                                  ┌─▶ Accumulator ×6 ─┐
+                  ┌▶ theta, v ────┴───────────────────┴─▶ CrossArray "between" ─┐
+    sample ─▶ register                                                          ├─▶ HandOver
+                  └▶ A, B (WeightedSum) ─ s, r delayed ─▶ CrossArray "within"  ─┘
+
+The clock in which a sample is taken is clock 0 for all that follows from it.  Numbers travel as
+skewed words (`parts.words`): the low bits of a sum are worked on first, the high bits in the
+clocks after.  Each part says at which clock it takes and gives what; the flags of a sample travel
+beside it (`FlagLine`) and are looked at at those clocks.
+
+Both arrays are shared: the within array takes its operands at phases with a tap row, the between
+array at the ends of minor intervals, and until the next launch they have time for several steps
+(`Sharing`).  `plan` chooses the steps, and the clocks per sample if multipliers are scarce.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import pairwise, product
+
+from amaranth import Module, Mux, Signal, Value
+from amaranth.lib import wiring
+
+from sculler_hdl.parts.accumulate import Accumulation, Accumulator
+from sculler_hdl.parts.cross import SHARINGS, CrossArray, Crossing, Operand, Sharing
+from sculler_hdl.parts.handover import HandOver, StreamHandOver, complete_clock
+from sculler_hdl.parts.layout import vector
+from sculler_hdl.parts.multiply import FRINGES
+from sculler_hdl.parts.sequencer import Sequencer
+from sculler_hdl.parts.weighted_sum import Rows, WeightedSum, Weighting
+from sculler_hdl.parts.words import Arrival, FlagLine, Word, at_once, last_clock, later
+from sculler_hdl.ports import port_members
+from sculler_hdl.target import TARGETS
+from sculler_model.coefficients import TapTable
+from sculler_model.cycles import Timing
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.stream import words_per_column
+from sculler_model.vectors import AXES, VECTORS
+from sculler_model.wordlength import Interval
+
+LATENCY_GOAL = 24
+"""Clocks from an interval's last sample to its result that sharing is not to pass."""
+
+
+def tap_rows(table: TapTable) -> Rows:
+    """The table's non-zero rows, and the last one in any case, for the sums A and B."""
+    phases = sorted({*table.active_phases, table.samples})
+    return {k - 1: [(d, c) for d, c in enumerate(table.taps[k - 1], start=1) if c] for k in phases}
+
+
+def weight_rows(table: TapTable) -> Rows:
+    """The weights as the row of phase n, for the sums theta and v."""
+    return {table.samples - 1: [(d, w) for d, w in enumerate(table.weights) if w]}
+
+
+def launch_gap(table: TapTable) -> int:
+    """Fewest samples from one launch of the within array to the next."""
+    phases = sorted(tap_rows(table))
+    return min(b - a for a, b in pairwise([*phases, phases[0] + table.samples]))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the pipelined core of a design is built of.
+
+    Attributes:
+        spacing: clocks per sample.
+        within, between: how the arrays are shared; None where there is no between array (M = 1).
+        fringe: most low bits of an operand that are multiplied without a block.
+        tiles: multiplier blocks.
+        units: product units, of one or several blocks each.
+        latency: clocks from an interval's last sample to its result.
+    """
+
+    spacing: int
+    within: Sharing
+    between: Sharing | None
+    fringe: int
+    tiles: int
+    units: int
+    latency: int
+
+
+@lru_cache(maxsize=64)
+def plan(design: Design) -> Plan:
+    """Choose the sharing, and the fewest clocks per sample that the multipliers allow.
+
+    Of the ways that keep the samples' pace, those within `LATENCY_GOAL` are preferred, of them the
+    ones that do little without multiplier blocks, of them the ones with fewest blocks.
+
+    Raises:
+        InputError: `hardware.multipliers` are too few for any sharing.
+    """
+    table, budget = design.table, design.hardware.multipliers
+    ways: dict[tuple[Sharing, Sharing | None, int], Plan] = {}
+    for spacing in range(1, SHARINGS[-1].steps + 1):
+        pace = launch_gap(table) * spacing, table.samples * spacing
+        betweens = SHARINGS if design.algorithm.minors > 1 else [None]
+        for way in product(SHARINGS, betweens, FRINGES):
+            within, between, _ = way
+            slow = within.steps > pace[0] or (between and between.steps > pace[1])
+            if not slow and way not in ways:
+                ways[way] = Stages(design, *way).plan(spacing)
+        found = [made for made in ways.values() if budget is None or made.tiles <= budget]
+        if found:
+            return min(
+                (replace(made, spacing=spacing) for made in found),
+                key=lambda made: (
+                    max(made.latency, LATENCY_GOAL),
+                    made.fringe,
+                    made.tiles,
+                    made.latency,
+                ),
+            )
+    least = min(way.tiles for way in ways.values())
+    raise InputError(
+        f"hardware.multipliers: {budget} are not enough, the pipelined core of this design needs at"
+        f' least {least}; give more, or core = "compact"'
+    )
+
+
+def timing(design: Design) -> Timing:
+    """The clocks that the pipelined core of a design takes.
+
+    Raises:
+        InputError: see `plan`.
+    """
+    made = plan(design)
+    return Timing(latency=made.latency, spacing=made.spacing)
+
+
+class Stages:
+    """The plans of the parts that calculate, and the clocks at which they stand.
+
+    Args:
+        design: the design.
+        within, between: sharing of the arrays.
+        fringe: most low bits of an operand that are multiplied without a block.
+
+    Attributes:
+        arrivals: for each vector of the result, when the bits of its components are there.
+    """
+
+    def __init__(
+        self, design: Design, within: Sharing, between: Sharing | None, fringe: int
+    ) -> None:
+        words, table, n = design.words, design.table, design.algorithm.samples
+        target = TARGETS[design.hardware.target]
+        limb = target.carry_bits
+        self.sharing = (within, between)
+        self.fringe = fringe
+
+        taps, weights = tap_rows(table), weight_rows(table)
+        self.gyro_taps, self.accel_taps = (
+            Weighting(counts, taps, result, n, limb)
+            for counts, result in ((words.gyro, words.gyro_taps), (words.accel, words.accel_taps))
+        )
+        self.theta, self.v = (
+            Weighting(counts, weights, result, n, limb)
+            for counts, result in ((words.gyro, words.theta), (words.accel, words.v))
+        )
+
+        # alpha and nu before the last minor interval's, which is all the between products see
+        self.integrals = {}
+        before: dict[str, Interval] = {}
+        for name, part, total in (
+            ("alpha", self.theta, words.alpha),
+            ("nu", self.v, words.nu),
+        ):
+            before[name] = part.result.repeated(design.algorithm.minors - 1)
+            arrival = later(part.arrival, Sequencer.latency)
+            self.integrals[name] = Accumulation(
+                part.result, arrival, total, limb, before[name], gap=n
+            )
+
+        # the arrays, launched when the first limbs of their operands are there
+        def operands(*items: tuple[Interval, Arrival]) -> tuple[int, list[Operand]]:
+            launch = min(last_clock(arrival[:1]) for _, arrival in items)
+            return launch, [Operand(range_, later(arrival, -launch)) for range_, arrival in items]
+
+        taps_arrivals = [
+            later(part.arrival, Sequencer.latency) for part in (self.gyro_taps, self.accel_taps)
+        ]
+        self.sample_clock = min(last_clock(arrival[:1]) for arrival in taps_arrivals)
+        self.within_launch, (A, B, s, r) = operands(
+            (words.gyro_taps, taps_arrivals[0]),
+            (words.accel_taps, taps_arrivals[1]),
+            (words.gyro, at_once(words.gyro.bits, self.sample_clock)),
+            (words.accel, at_once(words.accel.bits, self.sample_clock)),
+        )
+        self.arrays = {
+            "within": Crossing(
+                (A, B),
+                (s, r),
+                (words.coning_within, words.sculling_within),
+                within,
+                target,
+                limb,
+                fringe,
+            )
+        }
+        self.launches = {"within": self.within_launch}
+        if between is not None:
+            self.launches["between"], (alpha, nu, theta, v) = operands(
+                (before["alpha"], self.integrals["alpha"].before_arrival),
+                (before["nu"], self.integrals["nu"].before_arrival),
+                (words.theta, later(self.theta.arrival, Sequencer.latency)),
+                (words.v, later(self.v.arrival, Sequencer.latency)),
+            )
+            self.arrays["between"] = Crossing(
+                (alpha, nu),
+                (theta, v),
+                (words.coning_between, words.sculling_between),
+                between,
+                target,
+                limb,
+                fringe,
+            )
+
+        self.arrivals: dict[str, list[Arrival]] = {
+            name: [part.arrival] * 3 for name, part in self.integrals.items()
+        }
+        for place, array in self.arrays.items():
+            for name, components in array.results.items():
+                self.arrivals[f"{name}_{place}"] = [
+                    later(arrival, self.launches[place]) for _, arrival in components
+                ]
+
+    def plan(self, spacing: int) -> Plan:
+        """The plan with these parts."""
+        within, between = self.sharing
+        return Plan(
+            spacing=spacing,
+            within=within,
+            between=between,
+            fringe=self.fringe,
+            tiles=sum(array.tiles for array in self.arrays.values()),
+            units=sum(sharing.units for sharing in self.sharing if sharing is not None),
+            latency=complete_clock(self.arrivals) + HandOver.latency,
+        )
+
+
+class PipelinedCore(wiring.Component):
+    """Coning and sculling accumulators of one design, exact in every bit.
+
+    Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.cycles`):
+        sample_valid, sample_ready; sample_gyro_x..z, sample_accel_x..z (signed counts),
+        sample_fault.
+        result_valid, result_ready; result_major (unsigned), result_status (2 bits), and
+        result_NAME for each of `sculler_model.vectors.COMPONENTS`, signed, worst-case wide; or
+        result_data, result_last, the stream of words.
+
+    Throughput: one sample every `plan.spacing` clocks.  Within a major interval nothing stalls; the
+    last sample of an interval waits until the previous result has been taken.
+
+    Args:
+        design: the design.
+        primitive: whether to instantiate the target's own multiplier blocks.
+
+    Attributes:
+        plan: what it is built of.
+        timing: clocks it takes.
+        resources: the plan's figures, for the manifest.
+        listing: None, there is no schedule to read.
+
+    Raises:
+        InputError: see `plan`.
+    """
+
+    def __init__(self, design: Design, *, primitive: bool = True) -> None:
+        self.design = design
+        self.primitive = primitive
+        self.plan = plan(design)
+        self.stages = Stages(design, self.plan.within, self.plan.between, self.plan.fringe)
+        self.sequencer = Sequencer(design, self.plan.spacing)
+        self.handover: HandOver | StreamHandOver
+        arrivals, status_clock = self.stages.arrivals, Sequencer.latency + 1
+        if design.hardware.handover == "stream":
+            self.handover = StreamHandOver(
+                design.words, words_per_column(design), arrivals, status_clock
+            )
+        else:
+            self.handover = HandOver(design.words, arrivals, status_clock)
+        self.timing = timing(design)
+        self.resources = {"multipliers": self.plan.tiles, "product_units": self.plan.units}
+        self.listing = None
+        super().__init__(port_members(design))
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        words, stages = self.design.words, self.stages
+        m.submodules.sequencer = sequencer = self.sequencer
+        m.submodules.handover = handover = self.handover
+        m.d.comb += [
+            sequencer.sample_valid.eq(self.sample_valid),
+            sequencer.sample_fault.eq(self.sample_fault),
+            sequencer.result_taken.eq(handover.taken),
+            self.sample_ready.eq(sequencer.sample_ready),
+        ]
+        now = Sequencer.latency
+        flags = {
+            name: FlagLine(m, name, getattr(sequencer, name), now)
+            for name in ("taken", "launch", "minor_end", "major_end")
+        }
+
+        samples = {}
+        for sensor in ("gyro", "accel"):
+            shape = vector(getattr(words, sensor))
+            samples[sensor] = Signal(shape, name=f"{sensor}_sample", reset_less=True)
+            for i, axis in enumerate(AXES):
+                m.d.sync += samples[sensor][i].eq(getattr(self, f"sample_{sensor}_{axis}"))
+
+        def summed(name: str, weighting: Weighting, sensor: str) -> list[Value]:
+            m.submodules[name] = part = WeightedSum(weighting)
+            m.d.comb += [
+                part.step.eq(flags["taken"].at(now)),
+                part.phase.eq(sequencer.phase),
+                part.samples.eq(samples[sensor]),
+            ]
+            return [Value.cast(part.output[i]) for i in range(3)]
+
+        def delayed(sensor: str) -> list[Value]:
+            bits = getattr(words, sensor).bits
+            return [
+                Word(m, f"{sensor}_{axis}", samples[sensor][i], at_once(bits, now)).window(
+                    0, bits, stages.sample_clock
+                )
+                for i, axis in enumerate(AXES)
+            ]
+
+        A = summed("gyro_taps", stages.gyro_taps, "gyro")
+        B = summed("accel_taps", stages.accel_taps, "accel")
+        theta = summed("theta", stages.theta, "gyro")
+        v = summed("v", stages.v, "accel")
+        before: dict[str, list[Value]] = {}
+        for name, items in (("alpha", theta), ("nu", v)):
+            before[name] = []
+            for i, axis in enumerate(AXES):
+                m.submodules[f"{name}_{axis}"] = part = Accumulator(stages.integrals[name])
+                m.d.comb += [
+                    part.step.eq(flags["minor_end"].at(part.plan.clock)),
+                    part.last.eq(flags["major_end"].at(part.plan.clock)),
+                    part.input.eq(items[i]),
+                    handover.input[name][i].eq(part.newest),
+                ]
+                before[name].append(part.before)
+
+        operands = {
+            "within": (A, B, delayed("gyro"), delayed("accel")),
+            "between": (before["alpha"], before["nu"], theta, v),
+        }
+        starts = {"within": flags["launch"], "between": flags["minor_end"]}
+        for place, crossing in stages.arrays.items():
+            m.submodules[place] = array = CrossArray(crossing, primitive=self.primitive)
+            launch = stages.launches[place]
+            m.d.comb += [
+                array.launch.eq(starts[place].at(launch)),
+                array.last.eq(flags["major_end"].at(launch)),
+            ]
+            for name, vectors in zip(crossing.operands, operands[place], strict=True):
+                for i in range(3):
+                    m.d.comb += getattr(array, name)[i].eq(vectors[i])
+            for total, components in crossing.results.items():
+                for i, (lane, _) in enumerate(components):
+                    m.d.comb += handover.input[f"{total}_{place}"][i].eq(
+                        getattr(array, total)[lane]
+                    )
+
+        # status, and the result to the host
+        status = Signal(2)
+        news = sequencer.short | sequencer.fault << 1  # STATUS_SHORT_HISTORY, _FAULT
+        with m.If(sequencer.taken):
+            m.d.sync += status.eq(Mux(sequencer.first, 0, status) | news)
+        m.d.comb += [
+            handover.major_end.eq(flags["major_end"].at(handover.clock)),
+            handover.status.eq(status),
+            handover.ready.eq(self.result_ready),
+            self.result_valid.eq(handover.valid),
+        ]
+        if isinstance(handover, StreamHandOver):
+            m.d.comb += [self.result_data.eq(handover.data), self.result_last.eq(handover.last)]
+            return m
+        m.d.comb += [
+            self.result_major.eq(handover.shown_major),
+            self.result_status.eq(handover.shown_status),
+        ]
+        for name in VECTORS:
+            for i, axis in enumerate(AXES):
+                m.d.comb += getattr(self, f"result_{name}_{axis}").eq(handover.output[name][i])
+        return m

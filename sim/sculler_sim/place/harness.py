@@ -1,0 +1,64 @@
+"""A shift register around the core, so that its many ports need no pins.
+
+A core has hundreds of port bits and shares a device with the user's logic: pins on every port would
+not fit, and their distance would be measured instead of the core.  So each input comes from a
+register and each output goes to one, as in a user's design.  The input registers are one long shift
+register; the output registers are folded into another, so that nothing can be optimised away.  All
+of it has the core's clock, and its area is not counted: the core's own is measured without it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+TOP = "sculler__harness"
+"""The harness' module; no design can be called so, for its name has no two _ in a row."""
+CORE = "core"
+"""Instance of the core in the harness: its signals are `core.` and their own name."""
+
+
+def harness(core: str, ports: Iterable[Mapping[str, Any]]) -> str:
+    """Verilog of the harness, and of the core as a black box.
+
+    Args:
+        core: name of the core's module.
+        ports: its ports (`manifest["ports"]`).
+    """
+    inputs, outputs, declarations, connections = 0, 0, [], [".clk(clk)"]
+    for port in ports:
+        name, width = port["name"], port["width"]
+        declarations.append(f"  {port['direction']} [{width - 1}:0] {name};")
+        if name == "clk":
+            continue
+        if port["direction"] == "input":
+            connections.append(f".{name}(fed[{inputs + width - 1}:{inputs}])")
+            inputs += width
+        else:
+            connections.append(f".{name}(shown[{outputs + width - 1}:{outputs}])")
+            outputs += width
+    names = ", ".join(port["name"] for port in ports)
+    text_declarations = "\n".join(declarations)
+    text_connections = ",\n    ".join(connections)
+    return f"""(* blackbox *)
+module {core} ({names});
+{text_declarations}
+endmodule
+
+module {TOP} (clk, scan_in, scan_out);
+  input clk, scan_in;
+  output scan_out;
+  reg [{inputs - 1}:0] fed;
+  wire [{outputs - 1}:0] shown;
+  reg [{outputs - 1}:0] caught, folded;
+  always @(posedge clk) begin
+    fed <= {{fed, scan_in}};
+    caught <= shown;
+    folded <= {{folded, 1'b0}} ^ caught;
+  end
+  assign scan_out = folded[{outputs - 1}];
+  {core} {CORE} (
+    {text_connections}
+  );
+endmodule
+"""

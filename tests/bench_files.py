@@ -1,0 +1,55 @@
+"""The generated test bench, as its README says to run it."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+from sculler_hdl.core import timing
+from sculler_model.design import Design
+from sculler_sim.testbench import write_testbench
+from sculler_sim.verilator_build import emitted
+
+
+def bench_of(design: Design, folder: Path) -> dict[str, str]:
+    """Leave a folder as `generate` does; the commands of its README by simulator."""
+    files = emitted(design)
+    cells = [Path(name).stem for name in files if name != f"{design.name}.v"]
+    write_testbench(design, folder, timing(design), cells)
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    readme = (folder / "README.md").read_text()
+    (icarus,) = re.findall(r"^    (iverilog .*)$", readme, re.M)
+    (verilator,) = re.findall(r"`(verilator --binary .*?)`", readme)
+    return {"icarus": icarus, "verilator": verilator}
+
+
+def shell(command: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """What a command says and how it ends."""
+    return subprocess.run(
+        command,
+        shell=True,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+def run_bench(design: Design, folder: Path) -> tuple[int, int, int]:
+    """The bench passes in Icarus without a warning; results, samples and stalled clocks."""
+    done = shell(bench_of(design, folder)["icarus"], folder)
+    assert done.stderr == ""
+    counts = re.fullmatch(
+        r"PASS: (\d+) results of (\d+) samples in \d+ clocks, samples stalled in (\d+)\n",
+        done.stdout,
+    )
+    assert counts, done.stdout
+    assert done.returncode == 0
+    results, samples, stalled = map(int, counts.groups())
+    assert results >= 3
+    assert stalled > 0
+    return results, samples, stalled

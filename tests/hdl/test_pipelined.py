@@ -1,0 +1,161 @@
+"""The pipelined core as a whole: its plan against counts by hand, its ports clock by clock."""
+
+import random
+
+import numpy as np
+import pytest
+from amaranth.hdl import ClockDomain, Module
+from amaranth.sim import Simulator
+
+from sculler_hdl.parts.cross import SHARINGS
+from sculler_hdl.pipelined import LATENCY_GOAL, PipelinedCore, launch_gap, plan, timing
+from sculler_model.cycles import CycleModel, result_ports
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.vectors import AXES
+from strategies import DESIGNS, make_design, random_counts
+
+
+def with_hardware(design, **hardware):
+    data = design.as_json()
+    return Design.parse({**data, "hardware": {**data["hardware"], **hardware}})
+
+
+def test_sharings_do_all_products():
+    assert [sharing.steps for sharing in SHARINGS] == [1, 2, 3, 6, 9, 18]
+    assert all(sharing.units * sharing.steps == 18 for sharing in SHARINGS)
+
+
+@pytest.mark.parametrize(
+    ("name", "multipliers", "spacing", "within", "between", "tiles"),
+    [
+        # n = 4, one row: 4 clocks for a launch, 3 steps of 6 products; 33 x 24 and 29 x 26 bits are
+        # 4 blocks each, or 2 with 6 or 8 rows
+        ("stim300_4x5", None, 1, 3, 3, 48),
+        ("stim300_4x5", 47, 1, 3, 3, 24),
+        ("stim300_4x5", 28, 1, 3, 3, 24),
+        ("stim300_4x5", 24, 1, 3, 3, 24),
+        # two clocks per sample: 8 clocks for a launch, 6 steps of 3 products
+        ("stim300_4x5", 23, 2, 6, 6, 12),
+        # three: 12 clocks, 9 steps of 2 products
+        ("stim300_4x5", 11, 3, 9, 9, 8),
+        # five: 20 clocks, 18 steps of 1 product
+        ("stim300_4x5", 4, 5, 18, 18, 4),
+        # a result every sample: nothing to share, and no between array
+        ("smallest", None, 1, 1, None, 18),
+        ("smallest", 1, 18, 18, None, 1),
+        # rows at phases 2 and 3 of 3: one clock for a launch within, three between; products of
+        # 31 x 24, 31 x 20, 27 x 24 bits and 29 x 26, 29 x 22, 25 x 26: 4, 2 and 4 blocks
+        ("dense_time_3", None, 1, 1, 3, (4 + 2 + 4) * 6 + (4 + 2 + 4) * 2),
+    ],
+)
+def test_plan(name, multipliers, spacing, within, between, tiles):
+    made = plan(with_hardware(DESIGNS[name], multipliers=multipliers, target="ecp5"))
+    assert made.spacing == spacing
+    assert made.within.steps == within
+    assert (made.between and made.between.steps) == between
+    assert made.tiles == tiles
+    assert made.units == 18 // within + (18 // between if between else 0)
+    assert multipliers is None or made.tiles <= multipliers
+
+
+def test_too_few_multipliers_are_refused_with_one_line():
+    with pytest.raises(InputError) as caught:
+        plan(with_hardware(DESIGNS["stim300_4x5"], multipliers=3))
+    assert str(caught.value) == (
+        "hardware.multipliers: 3 are not enough, the pipelined core of this design needs at least"
+        ' 4; give more, or core = "compact"'
+    )
+
+
+def test_launch_gap():
+    gaps = {"stim300_4x5": 4, "dense_time_3": 1, "dense_odd_3": 1, "savage_1p1": 1}
+    assert {name: launch_gap(DESIGNS[name].table) for name in gaps} == gaps
+    # row 1 of 3 alone: launches at phases 1 and, for the interval's end, 3
+    sparse = make_design("sparse", 3, 0, 2, (8, 8), denominator=1, taps=[[1], [], []])
+    assert launch_gap(sparse.table) == 1
+
+
+@pytest.mark.parametrize("target", ["generic", "ecp5", "ice40", "xilinx"])
+@pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
+def test_every_design_takes_a_sample_a_clock(design, target):
+    made = plan(with_hardware(design, target=target))
+    assert made.spacing == 1
+    assert made.within.steps <= launch_gap(design.table)
+    assert made.latency <= LATENCY_GOAL
+
+
+def test_latency_by_hand():
+    """STIM300, generic, no skew: the clocks one after another as the core's figure has them."""
+    sample, taps, held, block = 1, 2 + 0, 1, 3  # 214 has 4 digits: 2 levels; rows need 1 + more
+    terms = 4  # sculling: 4 products of 2 blocks and 6 rows; 8 blocks and the rows' sums: 4 levels
+    steps, accumulate, show = 2, 1, 1
+    total = sample + taps + held + block + terms + steps + accumulate + show
+    assert timing(DESIGNS["stim300_4x5"]).latency == total
+
+
+VARIANTS = [
+    ("stim300_4x5", {}),
+    ("stim300_4x5", {"target": "ecp5", "multipliers": 11, "handover": "stream"}),
+    ("taylor_2p1", {"target": "ecp5", "multipliers": 8}),
+    ("dense_odd_3", {"target": "ice40", "multipliers": 12}),
+    ("dense_odd_3", {"handover": "stream"}),
+    ("late_sum_2", {"target": "xilinx", "multipliers": 4}),
+    ("rate_1p0", {"target": "ecp5"}),
+    ("smallest", {}),
+    ("smallest", {"multipliers": 1, "handover": "stream"}),
+    ("sparse", {"target": "ecp5"}),
+]
+
+
+@pytest.mark.parametrize(("name", "hardware"), VARIANTS)
+def test_ports_on_every_clock(name, hardware):
+    """Against the cycle-accurate model, under stalls on both sides and a reset."""
+    sparse = make_design("sparse", 3, 0, 2, (8, 8), denominator=1, taps=[[1], [], []])
+    design = with_hardware({**DESIGNS, "sparse": sparse}[name], **hardware)
+    core = PipelinedCore(design, primitive=False)
+    model = CycleModel(design, core.timing)
+    clocks = 4 * design.samples_per_major * core.timing.spacing + 400
+    rng = random.Random(1)
+    counts = random_counts(design, clocks, np.random.default_rng(1)).tolist()
+    inputs = [
+        getattr(core, f"sample_{sensor}_{axis}") for sensor in ("gyro", "accel") for axis in AXES
+    ]
+    outputs = [core.sample_ready, core.result_valid]
+    outputs += [getattr(core, f"result_{port}") for port in result_ports(design)]
+    top, domain = Module(), ClockDomain("sync")
+    top.domains += domain
+    top.submodules.core = core
+    streams = design.hardware.handover == "stream"
+    results = 0
+
+    async def bench(ctx):
+        nonlocal results
+        taken, offered, fault = 0, False, 0
+        for now in range(clocks):
+            calm = now < clocks // 2  # first without stalls, then with
+            if not offered:
+                offered, fault = calm or rng.random() < 0.6, int(rng.random() < 0.02)
+            ready, rst = int(calm or rng.random() < 0.5), int(now == clocks * 2 // 3)
+            sample = counts[taken]
+            for port, count in zip(inputs, sample, strict=True):
+                ctx.set(port, count if offered else ~count)
+            ctx.set(core.sample_valid, int(offered))
+            ctx.set(core.sample_fault, fault if offered else 1)
+            ctx.set(core.result_ready, ready)
+            ctx.set(domain.rst, rst)
+            _, _, *shown = await ctx.tick().sample(*outputs)
+            if streams and not shown[1]:
+                shown[2:] = [0, 0]
+            item = (tuple(sample[:3]), tuple(sample[3:]), fault) if offered else None
+            expected = model.clock(item, ready, rst)
+            assert shown == [expected.sample_ready, expected.result_valid, *expected.result], now
+            results += bool(expected.result_valid and ready)
+            if offered and expected.sample_ready and not rst:
+                taken, offered = taken + 1, False
+
+    simulator = Simulator(top)
+    simulator.add_clock(1e-6)
+    simulator.add_testbench(bench)
+    simulator.run()
+    assert results >= 3

