@@ -16,7 +16,7 @@ It needs no Python to run: any simulator of Verilog-2001 does.  Inside,
 from __future__ import annotations
 
 import random
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from importlib import resources
 from pathlib import Path
 from string import Template
@@ -135,8 +135,8 @@ def testbench(design: Design, timing: Timing, cells: Collection[str]) -> dict[st
     }
     return {
         f"{design.name}_tb.v": _fill("testbench.v.in", numbers),
-        f"{design.name}_samples.hex": _hex(samples.tolist(), sample_ports),
-        f"{design.name}_expected.hex": _hex(expected, result_ports),
+        f"{design.name}_samples.hex": packed_hex(samples.tolist(), sample_ports),
+        f"{design.name}_expected.hex": packed_hex(expected, result_ports),
         "README.md": _fill("testbench.md.in", numbers),
     }
 
@@ -177,7 +177,7 @@ def _fill(template: str, values: dict[str, object]) -> str:
     return _Template(text).substitute(values)
 
 
-def _hex(rows: Iterable[Iterable[int]], ports: list[tuple[str, int]]) -> str:
+def packed_hex(rows: Iterable[Iterable[int]], ports: Sequence[tuple[str, int]]) -> str:
     """One packed word a line for $readmemh, the first port in the lowest bits."""
     digits = -(-sum(bits for _, bits in ports) // 4)
     lines = []

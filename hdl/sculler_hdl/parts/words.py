@@ -250,7 +250,6 @@ class Sum:
             zero = Addend(Interval(0, 0), at_once(1, root.ready), root.addend.low)
             root = self._pair(_Node(zero, root.ready, -1), root)
         self._root = root
-        self._word_low = root.addend.low
         self.arrival = self._widened(root.addend)
 
     def _pair(self, a: _Node, b: _Node) -> _Node:

@@ -11,7 +11,6 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -28,6 +27,7 @@ from sculler_model.stream import WORD_BITS, from_words
 from sculler_model.vectors import AXES, COLUMNS, VECTORS
 from sculler_sim.place.devices import Family
 from sculler_sim.place.tools import YOSYS
+from sculler_sim.testbench import packed_hex
 from sculler_sim.verilator_build import Tools
 
 _MODELS: dict[str, tuple[str, ...]] = {
@@ -73,7 +73,7 @@ def simulate_netlist(
     rows = np.column_stack([counts, faults]).tolist()
     with tempfile.TemporaryDirectory(prefix="sculler-") as folder:
         work = Path(folder)
-        (work / "samples.hex").write_text(_hex(rows, _sample_ports(design)), encoding="ascii")
+        (work / "samples.hex").write_text(packed_hex(rows, _sample_ports(design)), encoding="ascii")
         (work / "bench.v").write_text(
             _bench(design, generated, len(counts), results), encoding="ascii"
         )
@@ -148,18 +148,6 @@ def _result_ports(design: Design) -> list[tuple[str, int]]:
         return [("result_data", WORD_BITS), ("result_last", 1)]
     components = [(f"result_{v}_{a}", getattr(design.words, v).bits) for v in VECTORS for a in AXES]
     return [("result_major", PORT_MAJOR_BITS), ("result_status", 2), *components]
-
-
-def _hex(rows: Sequence[Sequence[int]], ports: Sequence[tuple[str, int]]) -> str:
-    """One packed word a line for $readmemh, the first port in the lowest bits."""
-    lines = []
-    for row in rows:
-        word = shift = 0
-        for value, (_, bits) in zip(row, ports, strict=True):
-            word |= (value & ((1 << bits) - 1)) << shift
-            shift += bits
-        lines.append(f"{word:x}\n")
-    return "".join(lines)
 
 
 def _row(design: Design, text: str) -> tuple[int, ...]:
