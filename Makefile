@@ -30,7 +30,7 @@ demo: $(READY)
 	$(BIN)/sculler demo
 
 test: lint
-	$(BIN)/pytest -n auto --dist loadfile
+	$(BIN)/pytest -n auto --dist worksteal
 
 lint: $(READY)
 	$(BIN)/ruff format --check .

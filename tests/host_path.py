@@ -29,6 +29,7 @@ def fine_design(
     gyro_lsb: float = 1e-12,
     accel_lsb: float = 1e-11,
     kind: str = "increment",
+    position: str = "trapezoidal",
 ) -> Design:
     """32-bit sensor with LSBs so fine that quantisation does not show."""
     return Design.parse(
@@ -45,7 +46,9 @@ def fine_design(
                 "samples": samples,
                 "history": history,
                 "minors": minors,
+                "position": position,
             },
+            "hardware": {"core": "compact" if position == "high-resolution" else "pipelined"},
         }
     )
 

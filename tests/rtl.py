@@ -14,6 +14,7 @@ from sculler_model.blocks import VectorBlock
 from sculler_model.design import Design
 from sculler_model.golden import GoldenModel
 from sculler_model.throughput import clocks_per_major
+from sculler_model.vectors import COLUMNS
 from sculler_sim.compare import compare
 from sculler_sim.engine import EngineName, simulate, trace
 from sculler_sim.stimulus import Stimulus
@@ -42,9 +43,9 @@ def in_chunks(counts: Counts, faults: NDArray[Any], size: int) -> list[Samples]:
     return [(counts[i : i + size], faults[i : i + size]) for i in range(0, len(counts), size)]
 
 
-def write(path: Path, blocks: Iterable[VectorBlock]) -> Path:
+def write(path: Path, blocks: Iterable[VectorBlock], columns: tuple[str, ...] = COLUMNS) -> Path:
     """A vectors file of all blocks."""
-    with VectorsWriter(path) as writer:
+    with VectorsWriter(path, columns) as writer:
         for block in blocks:
             writer.write(block)
     return path
@@ -60,11 +61,11 @@ def check_files(design: Design, folder: Path, engines: Iterable[EngineName], sam
     per_major = design.samples_per_major
     intervals, over = max(4, samples // per_major), per_major // 2
     counts, faults = samples_of(design, intervals * per_major + over, seed=11)
-    reference = write(folder / "model.csv", [golden(design, counts, faults)])
+    reference = write(folder / "model.csv", [golden(design, counts, faults)], design.columns)
     for stimulus in (Stimulus.always(), Stimulus.stalls(5, 2 * clocks_of_major(design))):
         for engine in engines:
             run = simulate(design, in_chunks(counts, faults, 37), engine=engine, stimulus=stimulus)
-            path = write(folder / f"{engine}.csv", run)
+            path = write(folder / f"{engine}.csv", run, design.columns)
             difference = compare(reference, path)
             assert difference is None, difference.describe(reference, path)
             assert run.progress.results == intervals

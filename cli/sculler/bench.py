@@ -3,7 +3,8 @@
 Each measurement runs once unmeasured, then several times, in turn with the others, so that a busy
 moment of the machine does not fall on one of them alone; medians are reported.  All are of the
 default design (the STIM300 preset) on random full-scale samples; simulations of the RTL tell the
-clocks they run in a second too.
+clocks they run in a second too.  Then the navigator runs against `python-ins` (`bench_navigate`),
+where that is installed.
 """
 
 from __future__ import annotations
@@ -23,12 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table
 
-from sculler import terminal
+from sculler import bench_navigate, terminal
 from sculler.logs import LogWriter, read_log
 from sculler.main import run_command
 from sculler_hdl.core import timing
 from sculler_model.blocks import VectorBlock
 from sculler_model.design import Design
+from sculler_model.errors import InputError
 from sculler_model.fast import FastModel
 from sculler_model.golden import GoldenModel
 from sculler_model.host import major_increments
@@ -123,7 +125,7 @@ def measure(all_tasks: list[Task], runs: int) -> dict[str, list[float]]:
 )
 @terminal.json_option
 def command(runs: int, as_json: bool) -> None:
-    """Measure the speed of model, simulators, navigation and log reading."""
+    """Measure model, simulators, log reading and navigation, the latter beside python-ins."""
     design = Design.preset("stim300")
     with tempfile.TemporaryDirectory() as folder:
         all_tasks = tasks(design, Path(folder))
@@ -144,7 +146,18 @@ def command(runs: int, as_json: bool) -> None:
     machine = f"{platform.machine()}, {os.cpu_count()} processors, Python"
     machine += f" {platform.python_version()}, numpy {np.__version__}"
     data = {"design": design.name, "runs": runs, "machine": machine, "speeds": rows}
-    terminal.report(data, as_json, _table(data))
+    navigators = _compare_navigators(runs)
+    terminal.report(
+        {**data, "navigators": navigators}, as_json, _table(data), "", _navigators(navigators)
+    )
+
+
+def _compare_navigators(runs: int) -> dict[str, Any]:
+    """`bench_navigate.compare`, or which package it misses."""
+    try:
+        return bench_navigate.compare(runs=runs)
+    except InputError as missing:
+        return {"missing": str(missing)}
 
 
 def _table(data: dict[str, Any]) -> Table:
@@ -165,6 +178,29 @@ def _table(data: dict[str, Any]) -> Table:
             *(terminal.three_digits(speed) for speed in speeds),
             terminal.three_digits(clocks) if clocks else "",
             f"{row['samples']:,}",
+        )
+    return table
+
+
+def _navigators(data: dict[str, Any]) -> Table | str:
+    """Of `_compare_navigators`."""
+    if "missing" in data:
+        return f"navigators not compared: {data['missing']}"
+    table = Table(
+        title=f"navigators, {data['seconds']:g} s of a {data['motion']},"
+        f" {data['rate_hz']:g} increments a second",
+        title_justify="left",
+        caption=f"compiled, {data['speed_ratio']:.3g} times the updates of python-ins a second,"
+        f" {1 / data['error_ratio']:.2g} of its horizontal error",
+        caption_justify="left",
+    )
+    table.add_column("")
+    for column in ("updates/s", "us an update", "horizontal error, m", "velocity error, m/s"):
+        table.add_column(column, justify="right")
+    for name, row in data["navigators"].items():
+        keys = ("updates_per_s", "us_per_update", "horizontal_m", "velocity_m_per_s")
+        table.add_row(
+            name, *(terminal.three_digits(row[key]) if key in row else "" for key in keys)
         )
     return table
 

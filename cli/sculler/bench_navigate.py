@@ -12,7 +12,7 @@ import time
 import warnings
 from collections.abc import Callable
 from math import radians
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,11 +57,12 @@ def compare(seconds: float = 1000.0, rate_hz: float = 100.0, runs: int = 5) -> d
     Raises:
         InputError: python-ins or Numba is not installed.
     """
+    package = _python_ins()
     count, interval = round(seconds * rate_hz), 1 / rate_hz
     increments = exact_increments(FLIGHT, count, interval)
     times = interval * np.arange(1.0, count + 1)
     true, start = FLIGHT.state(times), FLIGHT.state(np.zeros(1)).state(0)
-    theirs = _python_ins(start, times, interval, increments)
+    theirs = package.integration(start, times, interval, increments)
     contenders: dict[str, Callable[[], NavHistory]] = {
         "wander azimuth, compiled": lambda: Navigator(start, interval).run(
             increments, compiled=True
@@ -113,36 +114,46 @@ def _errors(found: NavHistory, true: NavHistory) -> dict[str, float]:
     }
 
 
-def _python_ins(
-    start: NavState, times: Array, interval: float, increments: MajorIncrements
-) -> Callable[[], NavHistory]:
-    """Its `Integrator` on the increments, made ready; what it returns is put into our terms."""
+class _PythonIns(NamedTuple):
+    """What is used of `python-ins`, and the tables it takes."""
+
+    pandas: Any
+    integrator: Any
+    columns: list[str]
+
+    def integration(
+        self, start: NavState, times: Array, interval: float, increments: MajorIncrements
+    ) -> Callable[[], NavHistory]:
+        """Its `Integrator` on the increments, made ready; what it returns is put into our terms."""
+        pva = self.pandas.Series(
+            [*np.degrees([start.lat, start.lon]), start.h, *start.v, *np.degrees(start.euler)],
+            index=self.columns,
+        )
+        steps = np.full((len(times), 1), interval)
+        table = self.pandas.DataFrame(
+            np.hstack([steps, increments.phi, increments.dv_sf]),
+            index=times,
+            columns=["dt", "theta_x", "theta_y", "theta_z", "dv_x", "dv_y", "dv_z"],
+        )
+
+        def run() -> NavHistory:
+            with warnings.catch_warnings():  # it uses what newer pandas gives up
+                warnings.simplefilter("ignore", DeprecationWarning)
+                found = self.integrator(pva).integrate(table).to_numpy()[1:]
+            lat, lon = np.radians(found[:, :2]).T
+            nothing = np.zeros((len(found), 4))
+            return NavHistory(times, nothing, found[:, 3:6], lat, lon, found[:, 2])
+
+        return run
+
+
+def _python_ins() -> _PythonIns:
     try:
-        import pandas as pd
+        import pandas
         from pyins.strapdown import Integrator
         from pyins.util import TRAJECTORY_COLS
     except ImportError as error:
         raise InputError(
-            f"comparison: {error.name} is missing, install python-ins (pip install python-ins)"
+            f"{error.name} is missing, install python-ins (pip install python-ins)"
         ) from error
-
-    pva = pd.Series(
-        [*np.degrees([start.lat, start.lon]), start.h, *start.v, *np.degrees(start.euler)],
-        index=TRAJECTORY_COLS,
-    )
-    steps = np.full((len(times), 1), interval)
-    table = pd.DataFrame(
-        np.hstack([steps, increments.phi, increments.dv_sf]),
-        index=times,
-        columns=["dt", "theta_x", "theta_y", "theta_z", "dv_x", "dv_y", "dv_z"],
-    )
-
-    def run() -> NavHistory:
-        with warnings.catch_warnings():  # it uses what newer pandas gives up
-            warnings.simplefilter("ignore", DeprecationWarning)
-            found = Integrator(pva).integrate(table).to_numpy()[1:]
-        lat, lon = np.radians(found[:, :2]).T
-        nothing = np.zeros((len(found), 4))
-        return NavHistory(times, nothing, found[:, 3:6], lat, lon, found[:, 2])
-
-    return run
+    return _PythonIns(pandas, Integrator, TRAJECTORY_COLS)

@@ -13,28 +13,38 @@ HEADER = (
     "time_s,q_w,q_x,q_y,q_z,roll_deg,pitch_deg,heading_deg,"
     "v_north,v_east,v_down,lat_deg,lon_deg,height_m"
 )
+WANDER = "wander_deg"
 
 
 class HistoryWriter:
-    """Writes states as CSV, every number with all its digits; the header goes out on opening."""
+    """Writes states as CSV, every number with all its digits; the header goes out on opening.
 
-    def __init__(self, path: Path) -> None:
+    All of `HEADER` is of true north, east and down, whatever frame the states were carried in.
+
+    Args:
+        path: the file.
+        wander: a last column `WANDER` tells where that frame's x axis points, from north to east.
+    """
+
+    def __init__(self, path: Path, *, wander: bool = False) -> None:
+        self._wander = wander
         self._file = path.open("w", encoding="ascii", newline="")
-        self._file.write(HEADER + "\n")
+        self._file.write(HEADER + (f",{WANDER}" if wander else "") + "\n")
 
     def write(self, part: NavHistory) -> None:
         """Append states."""
-        table = np.column_stack(
-            [
-                part.time,
-                part.q,
-                np.degrees(part.euler),
-                part.v,
-                np.degrees(part.lat),
-                np.degrees(part.lon),
-                part.h,
-            ]
-        )
+        columns = [
+            part.time,
+            part.q,
+            np.degrees(part.euler),
+            part.v,
+            np.degrees(part.lat),
+            np.degrees(part.lon),
+            part.h,
+        ]
+        if self._wander:
+            columns.append(np.degrees(part.wander))
+        table = np.column_stack(columns)
         self._file.writelines(",".join(map(repr, row)) + "\n" for row in table.tolist())
 
     def __enter__(self) -> HistoryWriter:

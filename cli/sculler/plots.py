@@ -111,7 +111,9 @@ def navigation_pictures(history: NavHistory, output: Path) -> list[Path]:
     scale, unit = time_scale(history.time)
     t = history.time / scale
     with new_figure(path, 12, 8) as figure:
-        track, velocity, attitude, height = figure.subplots(2, 2).ravel()
+        track, velocity, attitude, height = figure.subplots(
+            2, 2, gridspec_kw={"wspace": 0.06}
+        ).ravel()
         _track(track, {"track": (north, east, BLUE, 1.4)})
         for column, (name, colour) in enumerate(
             (("north", BLUE), ("east", VERMILION), ("down", GREEN))

@@ -108,17 +108,11 @@ def _growth(path: Path, errors: NavErrors, growth: float) -> None:
         legend(axes)
         _mark_schuler(axes, errors.time, scale)
         if float(errors.horizontal.max()) > 0.01 * NAUTICAL_MILE:
-            miles = axes.secondary_yaxis("right", functions=(_to_miles, _to_metres))
+            miles = axes.twinx()
+            miles.set_ylim(0, axes.get_ylim()[1] / factor / NAUTICAL_MILE)
             miles.set_ylabel("nautical miles")
+            miles.grid(False)
             miles.spines["right"].set_visible(True)
-
-
-def _to_miles(metres: Any) -> Any:
-    return metres / NAUTICAL_MILE
-
-
-def _to_metres(miles: Any) -> Any:
-    return miles * NAUTICAL_MILE
 
 
 def _mark_schuler(axes: Axes, time: Array, scale: float) -> None:

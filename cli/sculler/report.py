@@ -49,12 +49,12 @@ def write_report(
         facts: name and value of what is worth saying.
         errors: `AgainstTruth.summary`, None without a truth.
         pictures: PNG files, taken into the page.
-        settings: of the run.
+        settings: of the run, as the command line names them.
         warnings: what to look at before trusting the run.
     """
     parts = [
         f"<h1>{escape(design.name)}: navigated run</h1>",
-        f'<p class="sub">{escape(str(settings.get("vectors", "")))}</p>',
+        f'<p class="sub">{escape(str(settings.get("VECTORS", "")))}</p>',
     ]
     if warnings:
         items = "".join(f"<li>{escape(warning)}</li>" for warning in warnings)

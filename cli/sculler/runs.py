@@ -115,7 +115,7 @@ def model_log(
             yield feed(counts, faults)
 
     start = time.perf_counter()
-    counted = _write(blocks(), output)
+    counted = _write(design, blocks(), output)
     return Summary(design, samples, *counted, time.perf_counter() - start)
 
 
@@ -145,15 +145,15 @@ def simulate_log(
     first = next(chunks)  # a log at fault from the beginning is told before anything is compiled
     chunks = chain([first], chunks)
     run = simulate(design, chunks, engine=engine, stimulus=stimulus, wave=wave)
-    counted = _write(run, output)
+    counted = _write(design, run, output)
     elapsed = time.perf_counter() - start
     return Summary(design, run.progress.samples, *counted, elapsed, run.progress.clocks)
 
 
-def _write(blocks: Iterable[VectorBlock], output: Path) -> tuple[int, int, int]:
+def _write(design: Design, blocks: Iterable[VectorBlock], output: Path) -> tuple[int, int, int]:
     """Write the vectors; results in all, with short history, with faults."""
     results = short = faults = 0
-    with VectorsWriter(output) as writer:
+    with VectorsWriter(output, design.columns) as writer:
         for block in blocks:
             writer.write(block)
             results += len(block)
@@ -163,7 +163,7 @@ def _write(blocks: Iterable[VectorBlock], output: Path) -> tuple[int, int, int]:
 
 
 def _reference(design: Design) -> Callable[..., VectorBlock]:
-    model, dtype = GoldenModel(design), component_dtype(design)
+    model, dtype, components = GoldenModel(design), component_dtype(design), design.components
 
     def samples(chunk: Chunk) -> Iterator[Sample]:
         counts, faults = chunk
@@ -171,4 +171,6 @@ def _reference(design: Design) -> Callable[..., VectorBlock]:
         for (gx, gy, gz, ax, ay, az), fault in zip(counts.tolist(), flags, strict=True):
             yield (gx, gy, gz), (ax, ay, az), fault
 
-    return lambda *chunk: VectorBlock.from_results(list(model.run(samples(chunk))), dtype)
+    return lambda *chunk: VectorBlock.from_results(
+        list(model.run(samples(chunk))), dtype, len(components)
+    )

@@ -1,6 +1,7 @@
-"""Truth files: the true states of a run, or a reference's, as CSV.
+"""Truth files: the true states of a run, or a reference's, in columns that have names.
 
-The header names the columns; they may stand in any order, and others are passed over:
+As CSV the header names them; in an `.npz` or MAT file each is an array of its own, in a Parquet
+file a column.  They may stand in any order, and others are passed over:
 
     time_s                              seconds from the log's first sample on, running forwards
     q_w,q_x,q_y,q_z                     attitude, body (forward, right, down) to north-east-down
@@ -13,14 +14,16 @@ The header names the columns; they may stand in any order, and others are passed
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from itertools import islice
 from pathlib import Path
-from typing import TextIO
+from typing import Any, Literal, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler.readers.arrays import npz_arrays, parquet_columns, parquet_names
+from sculler.readers.mat import mat_columns
 from sculler_model.errors import InputError
 from sculler_model.navigation import NavHistory
 from sculler_model.navigation.rotation import from_euler
@@ -31,6 +34,7 @@ Array = NDArray[np.float64]
 QUATERNION = ("q_w", "q_x", "q_y", "q_z")
 EULER = ("roll_deg", "pitch_deg", "heading_deg")
 PLACE = ("time_s", "v_north", "v_east", "v_down", "lat_deg", "lon_deg", "height_m")
+KNOWN = {*PLACE, *QUATERNION, *EULER}
 
 RANGES = {
     "lat_deg": (-90.0, 90.0),
@@ -61,19 +65,74 @@ def read_truth(
     Raises:
         InputError: the file cannot be read or has a fault; names file, line and column.
     """
+    path = Path(path)
     try:
-        with Path(path).open(encoding="utf-8-sig", newline="") as file:
+        with path.open("rb") as binary:
+            begins = binary.read(8)
+        tables = next((read for magic, read in _TABLES if begins.startswith(magic)), None)
+        if tables is not None:
+            yield from _array_blocks(path, tables, advance)
+            return
+        with path.open(encoding="utf-8-sig", newline="") as file:
             yield from _blocks(file, str(path), advance)
     except OSError as error:
         raise InputError(
             f"{path}: cannot read the truth ({error.strerror}), check the path"
         ) from error
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file in UTF-8, give a CSV truth file") from error
+        raise InputError(
+            f"{path}: not a text file in UTF-8, give a CSV, npz, MAT or Parquet truth file"
+        ) from error
+
+
+Tables = tuple[list[str], Iterator[Mapping[str, NDArray[Any]]]]
+"""Names of all columns, and the columns, block by block."""
+
+
+def _npz(path: Path) -> Tables:
+    arrays = npz_arrays(path)
+    return list(arrays), iter([arrays])
+
+
+def _mat(path: Path) -> Tables:
+    columns = mat_columns(path)
+    return list(columns), iter([columns])
+
+
+def _parquet(path: Path) -> Tables:
+    names = parquet_names(path)
+    return names, parquet_columns(path, [name for name in names if name in KNOWN])
+
+
+_TABLES = ((b"PK\x03\x04", _npz), (b"MATLAB ", _mat), (b"PAR1", _parquet))
+"""How such files begin, and what reads them."""
+
+
+def _array_blocks(
+    path: Path, tables: Callable[[Path], Tables], advance: Callable[[int], None] | None
+) -> Iterator[NavHistory]:
+    names, blocks = tables(path)
+    layout = _Layout(str(path), names, "row")
+    row, before = 1, -np.inf
+    for columns in blocks:
+        table = layout.stacked(columns)
+        for first in range(0, len(table), BLOCK):
+            part = table[first : first + BLOCK]
+            layout.check(part, row, before)
+            before = float(part[-1, 0])
+            row += len(part)
+            if advance is not None:
+                advance(len(part))
+            yield layout.history(part)
+    if row == 1:
+        raise InputError(f"{path}: the truth has no rows, give one for every instant")
 
 
 def _blocks(file: TextIO, name: str, advance: Callable[[int], None] | None) -> Iterator[NavHistory]:
-    layout = _Layout(name, file.readline())
+    header = file.readline()
+    if not header.strip():
+        raise InputError(f"{name}: the truth is empty, give a header and rows")
+    layout = _Layout(name, [column.strip() for column in header.split(",")], "line")
     line, before = 2, -np.inf
     while lines := list(islice(file, BLOCK)):
         table = layout.table(lines, line)
@@ -88,27 +147,26 @@ def _blocks(file: TextIO, name: str, advance: Callable[[int], None] | None) -> I
 
 
 class _Layout:
-    """What the header says about a file's rows.
+    """What the columns' names say about a file's rows.
 
     Args:
         name: of the file.
-        header: its first line.
+        names: of its columns.
+        unit: what messages count: a `line` of text or a `row` of arrays.
     """
 
-    def __init__(self, name: str, header: str) -> None:
-        self.name = name
-        names = [column.strip() for column in header.split(",")]
-        if not header.strip():
-            raise InputError(f"{name}: the truth is empty, give a header and rows")
+    def __init__(self, name: str, names: list[str], unit: Literal["line", "row"]) -> None:
+        self.name, self.unit = name, unit
+        where = f"{name}: line 1" if unit == "line" else name
         self.euler = not all(column in names for column in QUATERNION)
         self.columns = (*PLACE, *(EULER if self.euler else QUATERNION))
         for column in self.columns:
             if column not in names:
                 attitude = f"an attitude ({','.join(QUATERNION)} or {','.join(EULER)})"
                 missing = attitude if column in EULER else f"column {column}"
-                raise InputError(f"{name}: line 1: {missing} is missing, add it")
+                raise InputError(f"{where}: {missing} is missing, add it")
             if names.count(column) > 1:
-                raise InputError(f"{name}: line 1: column {column} is there twice, drop one")
+                raise InputError(f"{where}: column {column} is there twice, drop one")
         self.width = len(names)
         self.places = [names.index(column) for column in self.columns]
 
@@ -122,6 +180,22 @@ class _Layout:
             except ValueError:
                 pass  # line by line, to say where
         return np.array([self._row(line, first + k) for k, line in enumerate(lines)])
+
+    def stacked(self, columns: Mapping[str, NDArray[Any]]) -> Array:
+        """The wanted columns of arrays, side by side."""
+        for column in self.columns:
+            array, time = columns[column], columns["time_s"]
+            if array.ndim != 1 or array.dtype.kind not in "iuf":
+                raise InputError(
+                    f"{self.name}: {column} is of type {array.dtype} and shape {array.shape}, give"
+                    " numbers of shape (N,)"
+                )
+            if len(array) != len(time):
+                raise InputError(
+                    f"{self.name}: {column} has {len(array)} rows and time_s {len(time)}, give as"
+                    " many"
+                )
+        return np.column_stack([columns[column].astype(np.float64) for column in self.columns])
 
     def _row(self, line: str, number: int) -> list[float]:
         cells = line.rstrip("\r\n").split(",")
@@ -142,7 +216,7 @@ class _Layout:
         """Refuse what cannot be a state.
 
         Args:
-            table: rows, the first being line `first` of the file.
+            table: rows, the first being line or row `first` of the file.
             first: see there.
             before: time of the row before.
         """
@@ -195,7 +269,7 @@ class _Layout:
         )
 
     def _fault(self, line: int, what: str) -> InputError:
-        return InputError(f"{self.name}: line {line}: {what}")
+        return InputError(f"{self.name}: {self.unit} {line}: {what}")
 
 
 def _where(bad: NDArray[np.bool_]) -> tuple[int | None, int]:

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from sculler_model.cycles import PORT_MAJOR_BITS
 from sculler_model.design import Design
 from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import AXES, VECTORS
+from sculler_model.vectors import AXES
 
 
 def port_members(design: Design) -> dict[str, wiring.Member]:
@@ -21,7 +21,7 @@ def port_members(design: Design) -> dict[str, wiring.Member]:
     if design.hardware.handover == "stream":
         return members | {"result_data": Out(unsigned(WORD_BITS)), "result_last": Out(1)}
     members |= {"result_major": Out(unsigned(PORT_MAJOR_BITS)), "result_status": Out(2)}
-    for name in VECTORS:
+    for name in design.vectors:
         for axis in AXES:
             members[f"result_{name}_{axis}"] = Out(signed(getattr(words, name).bits))
     return members

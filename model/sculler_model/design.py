@@ -27,6 +27,12 @@ from sculler_model.families.decimals import rational
 from sculler_model.families.options import Band, Filter, Mount, response, with_measured_points
 from sculler_model.presets import PRESETS
 from sculler_model.schema import Part
+from sculler_model.vectors import (
+    HIGH_RESOLUTION_VECTORS,
+    VECTORS,
+    columns_of,
+    components_of,
+)
 from sculler_model.wordlength import WordLengths, word_lengths
 
 if sys.version_info >= (3, 11):
@@ -82,7 +88,11 @@ class UserTable(Part):
 
 
 class Algorithm(Part):
-    """The high-rate algorithm.  Field order matters: later ones are checked against earlier."""
+    """The high-rate algorithm.  Field order matters: later ones are checked against earlier.
+
+    position: "high-resolution" adds the vectors s_alpha, s_nu and scrolling (`scrolling`), from
+        which the host has the way over each major interval; "trapezoidal" has none of them.
+    """
 
     samples: Annotated[
         int, Field(ge=1, le=MAX_SAMPLES, description=f"a whole number from 1 to {MAX_SAMPLES}")
@@ -122,6 +132,10 @@ class Algorithm(Part):
     denominator_bits: Annotated[
         int | None, Field(ge=1, le=48, description="a whole number from 1 to 48")
     ] = None
+    position: Annotated[
+        Literal["trapezoidal", "high-resolution"],
+        Field(description='"trapezoidal" or "high-resolution"'),
+    ] = "trapezoidal"
 
     @field_validator("history")
     @classmethod
@@ -202,7 +216,8 @@ class Algorithm(Part):
 class Hardware(Part):
     """How it becomes gates.  Field order matters: later ones are checked against earlier.
 
-    core: "pipelined" (fast) or "compact" (small, one multiplication at a time).
+    core: "pipelined" (fast) or "compact" (small, one multiplication at a time; the only one with
+        high-resolution position).
     target: whose multiplier and memory blocks to use; "generic" leaves them to the synthesiser.
     multipliers: multiplier blocks the core may use.  The pipelined core takes as many clocks per
         sample as follow from it, and without it one.  The compact core uses 1 (default) or 0.
@@ -250,6 +265,13 @@ def _user_table(table: UserTable, samples: int) -> TapTable:
     )
 
 
+def _table(sensor: Sensor, algorithm: Algorithm) -> TapTable:
+    """The tap table, the user's own or computed."""
+    if algorithm.table is not None:
+        return _user_table(algorithm.table, algorithm.samples)
+    return make(_recipe(sensor, algorithm)).table
+
+
 def _recipe(sensor: Sensor, algorithm: Algorithm) -> Recipe:
     """What a computed family is designed from.
 
@@ -289,7 +311,7 @@ class Design(Part):
     name: Annotated[str, Field(description="a Verilog name: letters, digits, single _")]
     sensor: Annotated[Sensor, Field(description="a table")]
     algorithm: Annotated[Algorithm, Field(description="a table")]
-    hardware: Annotated[Hardware, Field(description="a table")] = Hardware()
+    hardware: Annotated[Hardware, Field(description="a table", validate_default=True)] = Hardware()
 
     @field_validator("name")
     @classmethod
@@ -306,9 +328,33 @@ class Design(Part):
     @classmethod
     def _family_fits_sensor(cls, algorithm: Algorithm, info: ValidationInfo) -> Algorithm:
         sensor = info.data.get("sensor")
-        if sensor is not None and algorithm.family != "table":
-            make(_recipe(sensor, algorithm))
+        if sensor is None:
+            return algorithm
+        table = _table(sensor, algorithm)
+        if algorithm.position == "high-resolution":
+            if sensor.kind != "increment":
+                raise InputError(
+                    'algorithm.position: "high-resolution" is not possible with sensor.kind ='
+                    f' "{sensor.kind}", give sensor.kind = "increment" or leave it out'
+                )
+            if table.sum_denominator != 1 or table.weights != (1,) * table.samples + (0,):
+                raise InputError(
+                    'algorithm.position: "high-resolution" needs every sample of a minor interval'
+                    " to count once, leave out algorithm.table.weights or position"
+                )
         return algorithm
+
+    @field_validator("hardware")
+    @classmethod
+    def _core_has_position(cls, hardware: Hardware, info: ValidationInfo) -> Hardware:
+        algorithm = info.data.get("algorithm")
+        asked = algorithm is not None and algorithm.position == "high-resolution"
+        if asked and hardware.core != "compact":
+            raise InputError(
+                f'hardware.core: "{hardware.core}" has no algorithm.position ='
+                ' "high-resolution", give core = "compact"'
+            )
+        return hardware
 
     @classmethod
     def load(cls, path: str | Path) -> Design:
@@ -372,9 +418,7 @@ class Design(Part):
     @cached_property
     def table(self) -> TapTable:
         """The tap table, exact integers in lowest terms."""
-        if self.algorithm.table is not None:
-            return _user_table(self.algorithm.table, self.algorithm.samples)
-        return self.made.table
+        return _table(self.sensor, self.algorithm)
 
     @property
     def made(self) -> Made:
@@ -391,8 +435,32 @@ class Design(Part):
     def words(self) -> WordLengths:
         """Worst-case range of every quantity the core holds."""
         return word_lengths(
-            self.sensor.gyro.bits, self.sensor.accel.bits, self.algorithm.minors, self.table
+            self.sensor.gyro.bits,
+            self.sensor.accel.bits,
+            self.algorithm.minors,
+            self.table,
+            self.high_resolution,
         )
+
+    @property
+    def high_resolution(self) -> bool:
+        """Whether it hands over what high-resolution position needs."""
+        return self.algorithm.position == "high-resolution"
+
+    @cached_property
+    def vectors(self) -> tuple[str, ...]:
+        """Names of the vectors it hands over, in order."""
+        return (*VECTORS, *HIGH_RESOLUTION_VECTORS) if self.high_resolution else VECTORS
+
+    @cached_property
+    def components(self) -> tuple[str, ...]:
+        """Names of the vectors' components, in order."""
+        return components_of(self.vectors)
+
+    @cached_property
+    def columns(self) -> tuple[str, ...]:
+        """Names of everything it hands over, in order: `major`, `status` and the components."""
+        return columns_of(self.vectors)
 
     @property
     def samples_per_major(self) -> int:
@@ -499,8 +567,8 @@ def _fault(details: ErrorDetails) -> tuple[str, str]:
         return name, f"missing, give {allowed}"
     if details["type"] == "value_error":
         fault = str(details["ctx"]["error"])
-        own = re.match(r"(algorithm\.[^:]+): (.*)", fault)  # the fault names its key itself
-        return (own[1], own[2]) if own and name == "algorithm" else (name, fault)
+        own = re.match(rf"({name}\.[^:]+): (.*)", fault)  # the fault names its key itself
+        return (own[1], own[2]) if own else (name, fault)
     return name, f"{_short(details['input'])} is not allowed, give {allowed}"
 
 

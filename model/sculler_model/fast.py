@@ -13,6 +13,8 @@ a sum holds the ranges of its parts (`word_lengths`).  Wider designs are compute
 taps, weights and counts are written in digits of c bits, the digits are multiplied, their products
 summed in int64, and the sums put together as one Python integer per component.  `_digit_bits`
 finds the c for which no such sum can pass 64 bits.  A narrow design is the case of one digit.
+
+High-resolution position is `fast_scrolling`'s.
 """
 
 from __future__ import annotations
@@ -29,11 +31,11 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 
 from sculler_model.blocks import VectorBlock, component_dtype
-from sculler_model.coefficients import TapTable
 from sculler_model.design import Design
 from sculler_model.errors import InputError
+from sculler_model.fast_scrolling import FastHighResolution
 from sculler_model.golden import check_widths
-from sculler_model.vectors import COMPONENTS, STATUS_FAULT, STATUS_SHORT_HISTORY
+from sculler_model.vectors import STATUS_FAULT, STATUS_SHORT_HISTORY, VECTORS
 from sculler_model.wordlength import Interval, cross
 
 Counts: TypeAlias = NDArray[np.integer[Any]]
@@ -82,7 +84,7 @@ class FastModel:
         self._arithmetics = [_Arithmetic(design) for _ in range(THREADS)]
         self._arithmetic = self._arithmetics[0]
         # A major interval reaches before the first sample if its first minor interval does.
-        furthest = max(d - (k - 1) for k, d in _reaches(design.table))
+        furthest = max(d - (k - 1) for k, d in _reaches(design))
         self._short_majors = -(-furthest // design.samples_per_major)
         self.reset()
 
@@ -119,7 +121,7 @@ class FastModel:
             self._kept.append(counts.copy())
             self._faulty = faulty
             self.samples += len(counts)
-            return VectorBlock.empty(self._arithmetic.dtype)
+            return VectorBlock.empty(self._arithmetic.dtype, len(self.design.components))
 
         kept = np.concatenate(self._kept, dtype=np.int64)
 
@@ -131,7 +133,7 @@ class FastModel:
                 return counts[new]
             return np.concatenate([kept[start:stop], counts[new]], dtype=np.int64)
 
-        components = np.empty((majors, len(COMPONENTS)), self._arithmetic.dtype)
+        components = np.empty((majors, len(self.design.components)), self._arithmetic.dtype)
         idle = SimpleQueue[_Arithmetic]()
         for arithmetic in self._arithmetics:
             idle.put(arithmetic)
@@ -196,7 +198,7 @@ class _Arithmetic:
     def __init__(self, design: Design) -> None:
         table, words = design.table, design.words
         self.n, self.M = table.samples, design.algorithm.minors
-        self.minors_back = max(0, *(-((k - 1 - d) // self.n) for k, d in _reaches(table)))
+        self.minors_back = max(0, *(-((k - 1 - d) // self.n) for k, d in _reaches(design)))
         self.history = self.n * self.minors_back
         self.majors = max(BLOCK // (self.n * (self.minors_back + self.M)), 1)
         self.dtype = component_dtype(design)
@@ -220,6 +222,11 @@ class _Arithmetic:
             )
         ]
 
+        self._position = None
+        if design.high_resolution:
+            counts = words.gyro | words.accel
+            self._position = FastHighResolution(design.samples_per_major, counts)
+
         # Arrays that every block uses anew: fresh memory costs more than the arithmetic.
         self._x = self._vectors(self.n, self.minors_back + self.M)
         self._A_B = self._vectors(tap_digits, self.M)
@@ -239,7 +246,7 @@ class _Arithmetic:
         return np.empty((count, 2, 4, self.majors, minors), np.int64).swapaxes(-1, -2)
 
     def components(self, rows: Counts) -> NDArray[Any]:
-        """(R, 18) components of the R major intervals that follow the history in `rows`."""
+        """(R, 18 or 27) components of the R major intervals after the history in `rows`."""
         n, M = self.n, self.M
         R = (len(rows) - self.history) // (n * M)
         buffers = (self._x, self._A_B, self._theta_v, self._alpha_nu)
@@ -272,6 +279,9 @@ class _Arithmetic:
         sums = (alpha_nu[:, :, XYZ, -1], within, between)
         numbers = [self._number(*each) for each in zip(sums, self.fits_int64, strict=True)]
         components: NDArray[Any] = np.stack(numbers, axis=1).reshape(-1, R).T
+        if self._position is not None:
+            position = self._position.components(rows[self.history - 1 :])
+            components = np.concatenate([components, position], axis=1)
         return components
 
     def _load(self, rows: Counts, x: NDArray[np.int64]) -> None:
@@ -347,9 +357,9 @@ def _length(interval: Interval, bits: int) -> int:
 
 def _digit_bits(design: Design) -> int:
     """The widest digits for which no sum of products can pass 64 bits; 64 where one digit does."""
-    if component_dtype(design) == np.int64:
-        return 64
     table, words, M = design.table, design.words, design.algorithm.minors
+    if all(getattr(words, vector).bits <= 64 for vector in VECTORS):
+        return 64
     counts = words.gyro | words.accel
     most_terms = max(sum(map(bool, row)) for row in (*table.taps, table.weights))
 
@@ -367,8 +377,11 @@ def _digit_bits(design: Design) -> int:
     return next(bits for bits in range(62, 0, -1) if fits(bits))
 
 
-def _reaches(table: TapTable) -> Iterator[tuple[int, int]]:
-    """(phase, distance) of every non-zero tap and weight."""
+def _reaches(design: Design) -> Iterator[tuple[int, int]]:
+    """(phase, distance) of every non-zero tap and weight, and of what else looks back."""
+    table = design.table
+    if design.high_resolution:  # each sample uses the one before
+        yield 1, 1
     for k in table.active_phases:
         yield from ((k, d) for d, c in enumerate(table.taps[k - 1], start=1) if c)
     yield from ((table.samples, d) for d, w in enumerate(table.weights) if w)

@@ -10,30 +10,22 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.vectors import AXES, STATUS_FAULT, STATUS_SHORT_HISTORY, Result, Vec
+from sculler_model.scrolling import HighResolution
+from sculler_model.vectors import (
+    AXES,
+    STATUS_FAULT,
+    STATUS_SHORT_HISTORY,
+    ZERO,
+    Result,
+    Vec,
+    cross,
+    plus,
+    times,
+)
 from sculler_model.wordlength import WordLengths
 
 Sample = tuple[Vec, Vec, int]
 """One six-axis reading: gyro counts, accelerometer counts, fault flag (0 or 1)."""
-
-
-def cross(a: Vec, b: Vec) -> Vec:
-    """a x b."""
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def plus(*vectors: Vec) -> Vec:
-    """Sum of vectors."""
-    x, y, z = (sum(component) for component in zip(*vectors, strict=True))
-    return (x, y, z)
-
-
-def times(factor: int, a: Vec) -> Vec:
-    """factor * a."""
-    return (factor * a[0], factor * a[1], factor * a[2])
-
-
-ZERO: Vec = (0, 0, 0)
 
 
 def check_widths(words: WordLengths, t: int, counts: Sequence[int]) -> None:
@@ -67,6 +59,7 @@ class GoldenModel:
         self.t = 0  # running number of the next sample
         self.s: list[Vec] = []  # gyro counts, newest last
         self.r: list[Vec] = []  # accelerometer counts, newest last
+        self.position = HighResolution() if self.design.high_resolution else None
         self.major = 0
         self._clear()
 
@@ -74,6 +67,8 @@ class GoldenModel:
         self.status = 0
         self.alpha = self.coning_within = self.coning_between = ZERO
         self.nu = self.sculling_within = self.sculling_between = ZERO
+        if self.position is not None:
+            self.position.clear()
 
     def _weighted_sum(self, coefficients: Iterable[tuple[int, int]], counts: list[Vec]) -> Vec:
         """Sum of c * counts[t-d] over pairs (d, c); samples before the first one are zero."""
@@ -112,6 +107,11 @@ class GoldenModel:
         self.coning_within = plus(self.coning_within, cross(A, gyro))
         self.sculling_within = plus(self.sculling_within, cross(A, accel), cross(B, gyro))
 
+        if self.position is not None:  # it uses the sample before
+            self.position.step(gyro, accel)
+            if self.t == 0:
+                self.status |= STATUS_SHORT_HISTORY
+
         # every minor end
         result = None
         if k == table.samples:
@@ -137,6 +137,12 @@ class GoldenModel:
                     self.sculling_within,
                     self.sculling_between,
                 )
+                if self.position is not None:
+                    result = result._replace(
+                        s_alpha=self.position.s_alpha,
+                        s_nu=self.position.s_nu,
+                        scrolling=self.position.scrolling,
+                    )
                 self.major += 1
                 self._clear()
 

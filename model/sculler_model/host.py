@@ -1,4 +1,4 @@
-"""What the host makes of a major interval's integers: rotation vector and velocity increment.
+"""What the host makes of a major interval's integers: rotation vector, velocity, displacement.
 
 Only here do scale factors and denominators enter, in double precision, once a major interval
 (DESIGN section 3).
@@ -6,7 +6,9 @@ Only here do scale factors and denominators enter, in double precision, once a m
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import factorial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +16,7 @@ from numpy.typing import NDArray
 
 from sculler_model.blocks import VectorBlock
 from sculler_model.design import Design
+from sculler_model.scrolling import S_DENOMINATOR, SCROLLING_DENOMINATOR
 
 if TYPE_CHECKING:  # navigation builds on this module
     from sculler_model.navigation.rotation import AxisMap
@@ -31,47 +34,61 @@ class MajorIncrements:
         alpha: (R, 3) integral of the angular rate over the interval, rad.
         dv_sf: (R, 3) integral of the specific force, m/s, in the body frame at the START of the
             interval, held fixed in inertial space.
+        dr_sf: (R, 3) running integral of that over the interval, m, in the same frame: how far
+            the specific force has moved the body by the interval's END.  None where the design
+            has no high-resolution position.
     """
 
     phi: Array
     alpha: Array
     dv_sf: Array
+    dr_sf: Array | None = None
 
     def __len__(self) -> int:
         return len(self.phi)
 
     def __getitem__(self, part: slice) -> MajorIncrements:
         """Consecutive intervals."""
-        return MajorIncrements(self.phi[part], self.alpha[part], self.dv_sf[part])
+        return self._each(lambda vectors: vectors[part])
 
     def in_axes(self, axes: AxisMap) -> MajorIncrements:
         """The same increments in body axes, from the sensor's."""
-        return MajorIncrements(*map(axes.apply, (self.phi, self.alpha, self.dv_sf)))
+        return self._each(axes.apply)
+
+    def _each(self, change: Callable[[Array], Array]) -> MajorIncrements:
+        dr_sf = None if self.dr_sf is None else change(self.dr_sf)
+        return MajorIncrements(change(self.phi), change(self.alpha), change(self.dv_sf), dr_sf)
 
     @classmethod
     def concatenate(cls, parts: list[MajorIncrements]) -> MajorIncrements:
         """Join in order.
 
         Raises:
-            ValueError: there is no part.
+            ValueError: there is no part, or only some have ΔR_SF.
         """
+        dr_sf = [part.dr_sf for part in parts if part.dr_sf is not None]
+        if len(dr_sf) not in (0, len(parts)):
+            raise ValueError(f"{len(dr_sf)} of {len(parts)} parts have dr_sf")
         return cls(
             np.concatenate([part.phi for part in parts]),
             np.concatenate([part.alpha for part in parts]),
             np.concatenate([part.dv_sf for part in parts]),
+            np.concatenate(dr_sf) if dr_sf else None,
         )
 
 
 def major_increments(
     design: Design, block: VectorBlock, third_order: bool = False
 ) -> MajorIncrements:
-    """φ, α and ΔV_SF of each major interval of a block, in the sensor's axes.
+    """φ, α, ΔV_SF and ΔR_SF of each major interval of a block, in the sensor's axes.
 
         φ     = g alpha/Dw + g² (coning_within/Dc + coning_between/(2 Dw²))
         ΔV_SF = υ + ΔV_rot(α, υ) + a g (sculling_within/Dc + sculling_between/(2 Dw²))
 
     with g and a the scales of gyro and accelerometer counts (Savage-98 Eq. 37, with Eq. 51 for
-    the rotation; Yang Eq. 14 with the half that his Eq. 20a lacks).
+    the rotation; Yang Eq. 14 with the half that his Eq. 20a lacks).  A design with high-resolution
+    position gives ΔR_SF as well (`displacement`, with S_α = g T_l s_alpha/12, S_υ = a T_l s_nu/12
+    and ΔR_scrl = a g T_l scrolling/4320), and ΔV_SF to higher orders (`velocity_higher_orders`).
 
     Args:
         design: the design.
@@ -87,6 +104,18 @@ def major_increments(
         alpha=alpha,
         dv_sf=upsilon + velocity_rotation(alpha, upsilon) + a * g * sculling,
     )
+    if design.high_resolution:
+        T = design.sample_interval
+        s_alpha = block.vector("s_alpha").astype(np.float64) * (g * T / S_DENOMINATOR)
+        s_upsilon = block.vector("s_nu").astype(np.float64) * (a * T / S_DENOMINATOR)
+        scrolling = block.vector("scrolling").astype(np.float64)
+        scrolling *= a * g * T / SCROLLING_DENOMINATOR
+        higher = velocity_higher_orders(alpha, a * g * sculling, scrolling, design.major_interval)
+        increments = replace(
+            increments,
+            dv_sf=increments.dv_sf + higher,
+            dr_sf=displacement(alpha, upsilon, s_alpha, s_upsilon, scrolling),
+        )
     return ThirdOrder()(increments) if third_order else increments
 
 
@@ -114,7 +143,7 @@ class ThirdOrder:
         terms = third_order_terms(alpha)
         phi = increments.phi.copy()
         phi[len(phi) - len(terms) :] += terms
-        return MajorIncrements(phi, increments.alpha, increments.dv_sf)
+        return replace(increments, phi=phi)
 
 
 def third_order_terms(alpha: Array) -> Array:
@@ -206,20 +235,97 @@ def velocity_rotation(alpha: Array, upsilon: Array) -> Array:
     return result
 
 
+def velocity_higher_orders(
+    alpha: Array, sculling: Array, scrolling: Array, interval: float
+) -> Array:
+    """What ΔV_SF lacks beyond second order where the body turns steadily, whatever the force does.
+
+    At a constant rate, α(t) = α t/T, sculling and scrolling are α × moments of the force about the
+    interval's start.  With m_k = ∫ t^k f dt,
+
+        ΔV_scul = α×(m_1/T - m_0/2)         d = 7/6 ΔV_scul - ΔR_scrl/T = α×(m_2/T² - m_0/3)
+
+    and what Eq. 51 leaves of the third and fourth order is
+
+        ½ α×(α×(m_2/T² - m_0/3)) + 1/6 α×(α×(α×(m_3/T³ - m_0/4)))
+            = ½ α×d + α×(α×(d/4 - ΔV_scul/10))
+
+    exactly in third order; in fourth with m_3 as a force has that is a parabola over the interval,
+    m_3/T³ = 3/2 m_2/T² - 3/5 m_1/T + m_0/20.  Constant rate and force give 0.
+
+    Args:
+        alpha: (R, 3) integral of the angular rate, rad.
+        sculling, scrolling: (R, 3) ΔV_scul, m/s, and ΔR_scrl, m.
+        interval: T, length of a major interval, s.
+
+    Returns:
+        (R, 3) m/s, in the body frame at the start of the interval.
+    """
+    d = 7 / 6 * sculling - scrolling / interval
+    fourth = np.cross(alpha, d / 4 - sculling / 10)
+    result: Array = np.cross(alpha, d / 2 + fourth)
+    return result
+
+
+def displacement(
+    alpha: Array, upsilon: Array, s_alpha: Array, s_upsilon: Array, scrolling: Array
+) -> Array:
+    """ΔR_SF: what the specific force adds to the way over each interval (Savage-98 Eq. 84).
+
+        ΔR_SF = S_υ + ΔR_rot + ΔR_scrl
+
+    the running integral of ΔV_SF(t), from the interval's start to its end.
+
+    Args:
+        alpha, upsilon: (R, 3) integrals of angular rate (rad) and specific force (m/s).
+        s_alpha, s_upsilon: (R, 3) their running integrals (Savage-98 Eq. 85), rad·s and m.
+        scrolling: (R, 3) ΔR_scrl (Savage-98 Eq. 86), m.
+
+    Returns:
+        (R, 3) m, in the body frame at the START of the interval, held fixed in inertial space.
+    """
+    rotation = position_rotation(alpha, upsilon, s_alpha, s_upsilon)
+    total: Array = s_upsilon + rotation + scrolling
+    return total
+
+
+def position_rotation(alpha: Array, upsilon: Array, s_alpha: Array, s_upsilon: Array) -> Array:
+    """ΔR_rot, exact for constant rate and specific force (Savage-98 Eq. 99).
+
+    Args:
+        alpha, upsilon, s_alpha, s_upsilon: as for `displacement`.
+
+    Returns:
+        (R, 3) m, in the body frame at the start of the interval.
+    """
+    angle = np.sqrt(np.sum(alpha * alpha, axis=1, keepdims=True))
+    first = np.cross(s_alpha, upsilon) + np.cross(alpha, s_upsilon)
+    result: Array = one_minus_sine(angle) * first
+    result += half_minus_cosine(angle) * np.cross(alpha, first)
+    return result
+
+
 def one_minus_cosine(x: Array) -> Array:
     """(1 - cos x)/x², to rounding for every x: half the square of sin(x/2)/(x/2)."""
     return 0.5 * np.sinc(x / (2 * np.pi)) ** 2
 
 
-_SERIES = 1 / np.cumprod([6.0] + [(2 * k + 2) * (2 * k + 3) for k in range(1, 10)])
-
-
 def one_minus_sine(x: Array) -> Array:
     """(1 - sin x/x)/x², to rounding for every x: by its series where |x| < 1 (Savage-98 Eq. 52)."""
-    small = np.abs(x) < 1
-    square = np.where(small, x * x, 0.0)
+    large = np.where(np.abs(x) < 1, 1.0, x)
+    return np.where(np.abs(x) < 1, _series(3, x), (1 - np.sin(large) / large) / large**2)
+
+
+def half_minus_cosine(x: Array) -> Array:
+    """(½ - (1 - cos x)/x²)/x², to rounding for every x: by its series where |x| < 1 (Eq. 99)."""
+    large = np.where(np.abs(x) < 1, 1.0, x)
+    return np.where(np.abs(x) < 1, _series(4, x), (0.5 - one_minus_cosine(large)) / large**2)
+
+
+def _series(first: int, x: Array) -> Array:
+    """1/n! - x²/(n+2)! + x⁴/(n+4)! - ... from n = first on; to rounding for |x| < 1."""
+    square = np.where(np.abs(x) < 1, x * x, 0.0)
     series = np.zeros_like(square)
-    for coefficient in _SERIES[::-1]:  # 1/3!, 1/5!, 1/7!, ...
-        series = coefficient - square * series
-    large = np.where(small, 1.0, x)
-    return np.where(small, series, (1 - np.sin(large) / large) / large**2)
+    for n in range(first + 18, first - 1, -2):
+        series = 1 / factorial(n) - square * series
+    return series

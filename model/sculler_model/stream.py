@@ -1,7 +1,7 @@
 """The result as a stream of words, for buses that need to know only one thing.
 
-Every column of `COLUMNS`, in that order, takes the same number of 16-bit words, least significant
-first, two's complement, extended by its sign.  `major` is shown modulo 2 to the bits of a column.
+Every column of a design, in order, takes the same number of 16-bit words, least significant first,
+two's complement, extended by its sign.  `major` is shown modulo 2 to the bits of a column.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sculler_model.design import Design
-from sculler_model.vectors import COLUMNS, VECTORS
 
 WORD_BITS = 16
 """Width of a word."""
@@ -17,13 +16,13 @@ WORD_BITS = 16
 
 def words_per_column(design: Design) -> int:
     """Words that each column takes: as many as the widest component of the design needs."""
-    widest: int = max(getattr(design.words, vector).bits for vector in VECTORS)
+    widest: int = max(getattr(design.words, vector).bits for vector in design.vectors)
     return -(-widest // WORD_BITS)
 
 
 def words_per_result(design: Design) -> int:
     """Words of one whole result."""
-    return len(COLUMNS) * words_per_column(design)
+    return len(design.columns) * words_per_column(design)
 
 
 def to_words(design: Design, row: Sequence[int]) -> list[int]:
@@ -31,7 +30,7 @@ def to_words(design: Design, row: Sequence[int]) -> list[int]:
 
     Args:
         design: the design.
-        row: integers in the order of `COLUMNS` (`Result.row`).
+        row: integers in the order of the design's columns (`Result.row`).
     """
     count = words_per_column(design)
     return [column >> WORD_BITS * i & (1 << WORD_BITS) - 1 for column in row for i in range(count)]

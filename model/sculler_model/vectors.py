@@ -1,11 +1,13 @@
 """The result the core hands over each major interval, and the names its parts go by.
 
-The order of `COLUMNS` is the order of the vectors CSV, of the Verilog result ports and of the
-compact core's word stream.
+Every design hands over the six `VECTORS`; one with `position = "high-resolution"` three more after
+them.  `Design.vectors`, `.components` and `.columns` say what a design has; the order of its
+columns is the order of the vectors CSV, of the Verilog result ports and of the word stream.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 Vec = tuple[int, int, int]
@@ -22,12 +24,32 @@ VECTORS = (
 )
 """The six accumulated vectors (also the field names of `WordLengths` that give their widths)."""
 
-COMPONENTS = tuple(f"{vector}_{axis}" for vector in VECTORS for axis in AXES)
+HIGH_RESOLUTION_VECTORS = ("s_alpha", "s_nu", "scrolling")
+"""What `position = "high-resolution"` adds (fields of `WordLengths` too)."""
 
-COLUMNS = ("major", "status", *COMPONENTS)
+
+def components_of(vectors: Sequence[str]) -> tuple[str, ...]:
+    """The names of all components of some vectors."""
+    return tuple(f"{vector}_{axis}" for vector in vectors for axis in AXES)
+
+
+def columns_of(vectors: Sequence[str]) -> tuple[str, ...]:
+    """The columns of a result that consists of some vectors."""
+    return ("major", "status", *components_of(vectors))
+
+
+COMPONENTS = components_of(VECTORS)
+"""The components of the six vectors."""
+
+COLUMNS = columns_of(VECTORS)
+"""The columns of a design without high-resolution position, the first ones of any design."""
+
+HIGH_RESOLUTION_COLUMNS = columns_of((*VECTORS, *HIGH_RESOLUTION_VECTORS))
+"""The columns of a design with it."""
 
 STATUS_SHORT_HISTORY = 1
-"""Status bit 0: a non-zero tap or weight used in this interval reached before the first sample."""
+"""Status bit 0: what this interval used reached before the first sample: a non-zero tap or weight,
+or high-resolution position, which uses the sample before the interval."""
 
 STATUS_FAULT = 2
 """Status bit 1: a sample of this interval carried `fault`."""
@@ -37,7 +59,8 @@ class Result(NamedTuple):
     """One major interval's result: exact integer numerators (DESIGN section 3).
 
     `major` counts from 0 after reset; `status` is a bit set; each vector is (x, y, z) in the
-    sensor's axes.
+    sensor's axes.  The last three are there where the design has high-resolution position: sums
+    over the sample interval, s_alpha and s_nu over 12, scrolling over 4320 (`scrolling`).
     """
 
     major: int
@@ -48,7 +71,30 @@ class Result(NamedTuple):
     nu: Vec
     sculling_within: Vec
     sculling_between: Vec
+    s_alpha: Vec | None = None
+    s_nu: Vec | None = None
+    scrolling: Vec | None = None
 
     def row(self) -> tuple[int, ...]:
-        """The integers in the order of `COLUMNS`."""
-        return (self.major, self.status, *(c for vector in self[2:] for c in vector))
+        """The integers in the order of the design's columns."""
+        vectors = (vector for vector in self[2:] if vector is not None)
+        return (self.major, self.status, *(c for vector in vectors for c in vector))
+
+
+def cross(a: Vec, b: Vec) -> Vec:
+    """a x b."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def plus(*vectors: Vec) -> Vec:
+    """Sum of vectors."""
+    x, y, z = (sum(component) for component in zip(*vectors, strict=True))
+    return (x, y, z)
+
+
+def times(factor: int, a: Vec) -> Vec:
+    """factor * a."""
+    return (factor * a[0], factor * a[1], factor * a[2])
+
+
+ZERO: Vec = (0, 0, 0)

@@ -7,10 +7,11 @@ therefore holds every value that can occur: that is the whole proof (DESIGN, "Wo
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 
 from sculler_model.coefficients import TapTable
+from sculler_model.scrolling import scrolling_weights_total
 
 
 @dataclass(frozen=True)
@@ -103,9 +104,16 @@ class WordLengths:
     coning_between: Interval
     sculling_within: Interval
     sculling_between: Interval
+    s_alpha: Interval | None = None
+    """Over 12; like the next two, None without high-resolution position."""
+    s_nu: Interval | None = None
+    scrolling: Interval | None = None
+    """Over 4320."""
 
 
-def word_lengths(gyro_bits: int, accel_bits: int, minors: int, table: TapTable) -> WordLengths:
+def word_lengths(
+    gyro_bits: int, accel_bits: int, minors: int, table: TapTable, high_resolution: bool = False
+) -> WordLengths:
     """Worst-case ranges of a design.
 
     Every interval below contains 0, because counts take both signs, so the partial sums on the way
@@ -115,6 +123,7 @@ def word_lengths(gyro_bits: int, accel_bits: int, minors: int, table: TapTable) 
         gyro_bits, accel_bits: widths of the counts, two's complement.
         minors: M, minor intervals in a major interval.
         table: the tap table.
+        high_resolution: whether the design has s_alpha, s_nu and scrolling.
     """
     gyro, accel = Interval.signed(gyro_bits), Interval.signed(accel_bits)
 
@@ -139,7 +148,7 @@ def word_lengths(gyro_bits: int, accel_bits: int, minors: int, table: TapTable) 
         alpha, nu = theta.repeated(minor), v.repeated(minor)
         coning_between += cross(alpha, theta)
         sculling_between += cross(alpha, v) + cross(nu, theta)
-    return WordLengths(
+    words = WordLengths(
         gyro=gyro,
         accel=accel,
         gyro_taps=gyro_taps,
@@ -152,4 +161,17 @@ def word_lengths(gyro_bits: int, accel_bits: int, minors: int, table: TapTable) 
         coning_between=coning_between,
         sculling_within=sculling_within,
         sculling_between=sculling_between,
+    )
+    if not high_resolution:
+        return words
+    # of N samples each counts 12 times for every later one and 6 times for itself; of the last
+    # those are 5 and the sample before the interval has the one that lacks
+    samples = table.samples * minors
+    doubly = 6 * samples**2
+    return replace(
+        words,
+        s_alpha=gyro.repeated(doubly),
+        s_nu=accel.repeated(doubly),
+        # bilinear in the samples: each product of two may be extreme with its weight's sign
+        scrolling=cross(gyro, accel).repeated(scrolling_weights_total(samples)),
     )

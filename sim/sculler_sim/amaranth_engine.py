@@ -60,7 +60,6 @@ def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) ->
     ]
     shown = [core.sample_ready, core.result_valid]
     results = [getattr(core, f"result_{port}") for port in result_ports(design)]
-    stream = design.hardware.handover == "stream"
 
     def drive(ctx: Any, now: Inputs) -> None:
         ctx.set(core.sample_valid, now.sample_valid)
@@ -76,7 +75,7 @@ def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) ->
     async def drive_and_watch(ctx: Any) -> None:
         drive(ctx, surroundings.inputs)
         async for _, _, ready, valid, *result in ctx.tick().sample(*shown, *results):
-            if stream and not valid:
+            if not valid:
                 result = [0] * len(results)  # the ports mean nothing
             ports = Ports(ready, valid, tuple(result))
             seen.append(ports)

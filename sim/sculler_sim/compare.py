@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 
-from sculler_model.vectors import COLUMNS
-from sculler_sim.vectors_file import check_row, data_lines, integers
+from sculler_model.errors import InputError
+from sculler_sim.vectors_file import VectorLines
 
 
 @dataclass(frozen=True)
@@ -46,19 +46,25 @@ def compare(first: str | Path, second: str | Path) -> Difference | None:
     The files are streamed.  Rows whose text is equal are not taken apart, only checked for form.
 
     Raises:
-        InputError: a file cannot be read, is cut short, or a header or cell is wrong.
+        InputError: a file cannot be read, is cut short, a header or cell is wrong, or the two have
+            other columns.
     """
-    both = zip_longest(data_lines(first), data_lines(second))
-    for row, (ours, theirs) in enumerate(both):
+    one, other = VectorLines(first), VectorLines(second)
+    if one.columns != other.columns:
+        raise InputError(
+            f"{second}: {len(other.columns)} columns for {len(one.columns)} of {first}, give"
+            " vectors of one design"
+        )
+    for row, (ours, theirs) in enumerate(zip_longest(one, other)):
         if ours is None or theirs is None:
-            there = integers(first, *ours) if ours else integers(second, *theirs)
+            there = one.integers(*ours) if ours else other.integers(*theirs)
             values = (there[0], None) if ours else (None, there[0])
             return Difference(row, there[0], "major", *values)
         if ours[1] == theirs[1]:
-            check_row(first, *ours)
+            one.check(*ours)
             continue
-        a, b = integers(first, *ours), integers(second, *theirs)
-        for column, left, right in zip(COLUMNS, a, b, strict=True):
+        a, b = one.integers(*ours), other.integers(*theirs)
+        for column, left, right in zip(one.columns, a, b, strict=True):
             if left != right:
                 return Difference(row, a[0], column, left, right)
     return None

@@ -84,9 +84,8 @@ enum class Taken { whole, part, wrong };
 #ifdef SCULLER_WORDS
 
 void read_ports(const Core& core, uint64_t* shown) {
-    const bool valid = core.top.result_valid;  // without it the others mean nothing
-    shown[0] = valid ? core.top.result_data : 0;
-    shown[1] = valid && core.top.result_last;
+    shown[0] = core.top.result_data;
+    shown[1] = core.top.result_last;
 }
 
 Taken take_result(Core& core) {
@@ -216,7 +215,10 @@ EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* fau
         if (shown) {
             *handshakes++ = top.sample_ready;
             *handshakes++ = top.result_valid;
-            read_ports(*core, shown);
+            if (top.result_valid)
+                read_ports(*core, shown);
+            else
+                std::fill_n(shown, SHOWN, 0);  // the result ports mean nothing
             shown += SHOWN;
         }
         core->held = valid;

@@ -29,7 +29,7 @@ from sculler_model.design import Design
 from sculler_model.fast import run_fast
 from sculler_model.stream import WORD_BITS, to_words, words_per_result
 from sculler_model.throughput import clocks_per_major
-from sculler_model.vectors import AXES, VECTORS
+from sculler_model.vectors import AXES
 from sculler_sim.files import make_folder, replacing
 
 _SEED = 2001
@@ -151,7 +151,11 @@ _PARALLEL_LINE = (
 def _result_ports(design: Design) -> list[tuple[str, int]]:
     """Name and width of each result port of the parallel hand-over."""
     words = design.words
-    vectors = [(f"result_{v}_{axis}", getattr(words, v).bits) for v in VECTORS for axis in AXES]
+    vectors = [
+        (f"result_{vector}_{axis}", getattr(words, vector).bits)
+        for vector in design.vectors
+        for axis in AXES
+    ]
     return [("result_major", PORT_MAJOR_BITS), ("result_status", 2), *vectors]
 
 

@@ -21,7 +21,7 @@ from sculler_hdl.verilog import generate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
-from sculler_model.vectors import AXES, VECTORS
+from sculler_model.vectors import AXES
 from sculler_sim import cache
 from sculler_sim.files import replacing
 
@@ -199,7 +199,7 @@ def _harness(design: Design, wave: _Wave | None) -> str:
     ]
     components = [
         (f"result_{vector}_{axis}", getattr(words, vector).bits)
-        for vector in VECTORS
+        for vector in design.vectors
         for axis in AXES
     ]
     lines = [f"#define SCULLER_SAMPLES(X) {_each(counts)}"]

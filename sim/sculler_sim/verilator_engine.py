@@ -22,7 +22,6 @@ from sculler_model.cycles import result_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
-from sculler_model.vectors import COLUMNS, COMPONENTS
 from sculler_sim.files import replacing
 from sculler_sim.run import CheckedChunk, PortTrace, Progress, wrong_last
 from sculler_sim.stimulus import Levels, Stimulus
@@ -93,8 +92,9 @@ class _Core:
         self._progress = progress
         self._timing = timing(design)
         self._stream = design.hardware.handover == "stream"
+        self._columns = len(design.columns)
         self._row = (
-            words_per_result(design) if self._stream else 2 + len(COMPONENTS) * limbs(design)
+            words_per_result(design) if self._stream else 2 + (self._columns - 2) * limbs(design)
         )
         self._capacity = _CLOCKS // design.samples_per_major + 2
         self._rows = np.empty((self._capacity, self._row), np.uint64)
@@ -183,18 +183,18 @@ class _Core:
     def _from_words(self, words: NDArray[np.uint64]) -> NDArray[np.uint64]:
         """Results as the parallel hand-over gives them, from their words."""
         count = words_per_column(self._design)
-        columns = words.reshape(len(words), len(COLUMNS), count)
+        columns = words.reshape(len(words), self._columns, count)
         sign = (columns[:, :, -1] >> np.uint64(WORD_BITS - 1)) * np.uint64((1 << WORD_BITS) - 1)
         sign[:, :2] = 0  # major and status have none
         parts = 64 // WORD_BITS  # words in a limb
         extended = np.concatenate([columns, *[sign[:, :, None]] * (-count % parts)], axis=2)
         shifts = np.arange(0, 64, WORD_BITS, dtype=np.uint64)
-        limbs = (extended.reshape(len(words), len(COLUMNS), -1, parts) << shifts).sum(axis=3)
+        limbs = (extended.reshape(len(words), self._columns, -1, parts) << shifts).sum(axis=3)
         return np.hstack([limbs[:, :2, 0], limbs[:, 2:].reshape(len(words), -1)])
 
     def _components(self, rows: NDArray[np.uint64]) -> NDArray[Any]:
-        """(R, 18) integers from two's-complement limbs, lowest first."""
-        parts = rows[:, 2:].reshape(len(rows), len(COMPONENTS), -1)
+        """(R, components) integers from two's-complement limbs, lowest first."""
+        parts = rows[:, 2:].reshape(len(rows), self._columns - 2, -1)
         top = parts[:, :, -1].astype(np.int64)
         if parts.shape[2] == 1:
             return top

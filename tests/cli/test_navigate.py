@@ -6,6 +6,7 @@ import csv
 import json
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from math import cos, radians
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ Refused = Callable[..., str]
 PLACE = ("--lat", 48, "--lon", 11, "--height", 500)
 COLUMNS = (
     "time_s,q_w,q_x,q_y,q_z,roll_deg,pitch_deg,heading_deg,"
-    "v_north,v_east,v_down,lat_deg,lon_deg,height_m"
+    "v_north,v_east,v_down,lat_deg,lon_deg,height_m,wander_deg"
 )
 
 
@@ -82,6 +83,28 @@ def test_at_rest_it_stays(run: Run, tmp_path: Path, resting: Path) -> None:
     assert said["moved_horizontally_m"] < 0.01
     assert said["plots"] == [str(out.with_suffix(".png"))]
     assert out.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("start", [(), ("--start", 30), ("--align", 60)])
+def test_progress_goes_from_the_first_result_to_the_last(
+    run: Run,
+    tmp_path: Path,
+    resting: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    start: tuple[object, ...],
+) -> None:
+    seen: list[int | None] = []
+
+    @contextmanager
+    def progress(description: str, total: int | None) -> Iterator[Callable[[int], None]]:
+        seen.append(total)
+        yield seen.append
+
+    monkeypatch.setattr("sculler.terminal.progress", progress)
+    words = ("-o", tmp_path / "nav.csv", *PLACE, "--no-plots", *start)
+    assert run("navigate", "stim300", resting, *words).status == 0
+    total, *amounts = seen
+    assert total == sum(filter(None, amounts)) == 12_000
 
 
 def test_alignment_finds_the_attitude(run: Run, tmp_path: Path, resting: Path) -> None:
@@ -170,6 +193,14 @@ def test_wrong_vectors(tmp_path: Path, refused: Refused, resting: Path, log: Pat
     words = ("-o", tmp_path / "nav.csv", *PLACE)
     assert "cannot read" in refused("navigate", "stim300", tmp_path / "absent.csv", *words)
     assert "header" in refused("navigate", "stim300", log, *words)
+    for value in ("nan", "inf", "1.5", ""):
+        lines = resting.read_text().splitlines()
+        lines[7] = ",".join([*lines[7].split(",")[:2], value, *lines[7].split(",")[3:]])
+        wrong = tmp_path / "wrong.csv"
+        wrong.write_text("\n".join(lines) + "\n")
+        line = refused("navigate", "stim300", wrong, *words)
+        assert f"{wrong}: line 8: " in line
+        assert "alpha_x" in line
     nothing = tmp_path / "nothing.csv"
     nothing.write_text(resting.read_text().splitlines()[0] + "\n")
     assert "no results to navigate with" in refused("navigate", "stim300", nothing, *words)

@@ -80,8 +80,9 @@ def test_every_mechanisation_tells_the_same_track(run: Run, tmp_path: Path, turn
     assert np.abs(damped[:, height] - 500).max() < np.abs(wander[:, height] - 500).max()
 
 
-def test_at_a_pole(run: Run, refused: Refused, tmp_path: Path, turning: Path) -> None:
-    place = ("--lat", 90, "--lon", 0, "--height", 0, "--no-plots", "-o", tmp_path / "nav.csv")
+@pytest.mark.parametrize("lat", [90, -90])
+def test_at_a_pole(run: Run, refused: Refused, tmp_path: Path, turning: Path, lat: int) -> None:
+    place = ("--lat", lat, "--lon", 0, "--height", 0, "--no-plots", "-o", tmp_path / "nav.csv")
     assert run("navigate", "stim300", turning, *place).status == 0
     said = refused("navigate", "stim300", turning, *place, "--mechanisation", "geographic")
     assert "at a pole there is no north to point to" in said
@@ -124,3 +125,36 @@ def test_fine_alignment(run: Run, tmp_path: Path) -> None:
 def test_fine_needs_align(refused: Refused, tmp_path: Path, turning: Path) -> None:
     said = refused("navigate", "stim300", turning, "-o", tmp_path / "n.csv", *PLACE, "--fine")
     assert "--fine refines --align, give that too" in said
+
+
+def test_all_columns_but_the_wander_angle_are_of_true_north(run: Run, tmp_path: Path) -> None:
+    """Past the pole at 86° N and 250 m/s: north turns by 19°, and heading with it.
+
+    The truth's heading is of true north; the wander angle is the integral of sin lat over the
+    longitude gone, here by Simpson's rule over the truth.
+    """
+    design, log, truth = tmp_path / "fine.toml", tmp_path / "log.csv", tmp_path / "truth.csv"
+    design.write_text(
+        'preset = "lasergyro"\nname = "fine"\n[sensor]\n'
+        "gyro = { bits = 32, lsb = 1e-11 }\naccel = { bits = 32, lsb = 1e-8 }\n"
+    )
+    words = ("great-circle", "--lat", 86, "--heading", 75, "--duration", 600)
+    assert run("motion", *words, "--design", design, "-o", log, "--truth", truth).status == 0
+    assert run("model", design, log, "-o", tmp_path / "vectors.csv").status == 0
+    tracks = {}
+    for name in ("wander", "geographic"):
+        out = tmp_path / f"{name}.csv"
+        words = ("--truth", truth, "--mechanisation", name, "--no-plots")
+        outcome = run("navigate", design, tmp_path / "vectors.csv", "-o", out, *words)
+        assert outcome.status == 0, outcome
+        tracks[name] = track(out)
+    true, heading, lat, lon, wander = track(truth), 7, 11, 12, 14
+    for found in tracks.values():
+        assert np.abs(found[:, 1:14] - true[:, 1:14])[:, [*range(7), lat - 1, lon - 1]].max() < 1e-6
+    assert abs(true[-1, heading] - true[0, heading]) > 19
+    sines, steps = np.sin(np.radians(true[:, lat])), np.diff(true[:, lon])
+    middle = np.sin(np.radians(0.5 * (true[1:, lat] + true[:-1, lat])))
+    expected = np.cumsum((sines[1:] + 4 * middle + sines[:-1]) / 6 * steps)
+    assert np.abs(tracks["wander"][1:, wander] - expected).max() < 1e-6
+    assert abs(expected[-1]) > 19
+    assert not tracks["geographic"][:, wander].any()

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.io
 
 from sculler.history import HEADER, HistoryWriter
 from sculler.plots_truth import from_above
@@ -138,6 +139,8 @@ def test_what_is_said_and_drawn(run: Run, tmp_path: Path, turn: tuple[Path, Path
     assert [base64.b64decode(data) for data in shown] == [path.read_bytes() for path in pictures]
     _Page(text).check()
     assert "frequency-taylor" in text  # the design
+    assert '<td class="name">--mechanisation</td><td>wander</td>' in text
+    assert "-0.0000" not in text
     assert "tilt about east" in text
     assert f"{truth}" in text
 
@@ -243,29 +246,6 @@ def test_schuler_oscillation_over_three_hours(run: Run, tmp_path: Path, folder: 
     assert errors["attitude_arcsec"]["east"]["max"] == pytest.approx(36, rel=1e-2)
 
 
-@pytest.mark.parametrize(
-    ("kind", "samples", "minors", "drift"),
-    [("increment", 4, 5, 0.107), ("rate", 2, 1, 1.07e-2)],
-)
-def test_conings_of_yang_and_zeng_end_to_end(
-    run: Run, folder: Path, kind: str, samples: int, minors: int, drift: float
-) -> None:
-    """1° half angle, 20 Hz, 1 kHz: log, model, navigate, truth.
-
-    Yang, n = 4 and M = 5: 0.11 °/h; Zeng's filtered rates, n = 2: 1.07e-2 °/h.
-    """
-    toml = design(folder, samples, minors, 1000.0, kind)
-    here = folder / kind
-    here.mkdir(exist_ok=True)
-    vectors, truth = flown(run, here, "coning", toml, "--duration", 30)
-    # a rate sensor's first sum lacks the sample at time 0, so it begins one interval later
-    words = ("--truth", truth, "--start", samples * minors / 1000)
-    errors = navigated(run, toml, vectors, here / "nav.csv", *words)["errors"]
-    seconds = 30 - samples * minors / 1000
-    found = errors["attitude_arcsec"]["down"]["final"] / seconds  # arcsec/s are °/h
-    assert abs(found) == pytest.approx(drift, rel=0.02)
-
-
 def test_round_trip(tmp_path: Path) -> None:
     truth = hour_flight(radians(48), radians(179.9), 500.0).state(np.linspace(0, 3000, 101))
     path = tmp_path / "truth.csv"
@@ -303,6 +283,72 @@ def test_truth_streams_in_blocks(tmp_path: Path) -> None:
     told: list[int] = []
     parts = list(read_truth(path, told.append))
     assert [len(part) for part in parts] == told == [BLOCK, 5]
+
+
+def written_as(path: Path, columns: dict[str, Any]) -> Path:
+    """A file of named columns, of the kind that the suffix says."""
+    if path.suffix == ".npz":
+        np.savez_compressed(path, **columns)
+    elif path.suffix == ".mat":
+        scipy.io.savemat(path, columns, do_compression=True)
+    else:
+        parquet, arrow = (pytest.importorskip(name) for name in ("pyarrow.parquet", "pyarrow"))
+        parquet.write_table(arrow.table(columns), path)
+    return path
+
+
+KINDS = (".npz", ".mat", ".parquet")
+
+
+@pytest.mark.parametrize("suffix", KINDS)
+def test_arrays_are_truths_too(
+    run: Run, tmp_path: Path, turn: tuple[Path, Path, Path], suffix: str
+) -> None:
+    """The same errors as by the CSV, whatever else is in the file."""
+    toml, vectors, truth = turn
+    names = truth.read_text().splitlines()[0].split(",")
+    table = np.loadtxt(truth, delimiter=",", skiprows=1)
+    columns: dict[str, Any] = dict(zip(names[::-1], table.T[::-1], strict=True))
+    arrays = written_as(tmp_path / f"truth{suffix}", columns | {"satellites": table[:, 0] * 0 + 7})
+    out, words = tmp_path / "nav.csv", ("--truth", truth)
+    expected = navigated(run, toml, vectors, out, *words)["errors"]
+    found = navigated(run, toml, vectors, out, "--truth", arrays)["errors"]
+    assert found.pop("truth") == str(arrays)
+    del expected["truth"]
+    assert found == expected
+
+
+@pytest.mark.parametrize("suffix", KINDS)
+def test_bad_arrays(
+    tmp_path: Path, refused: Refused, turn: tuple[Path, Path, Path], suffix: str
+) -> None:
+    toml, vectors, _ = turn
+    good = {name: np.array([float(v), float(w)]) for name, v, w in zip(
+        HEADER.split(","), GOOD.split(","), NEXT.split(","), strict=True
+    )}  # fmt: skip
+
+    def said(**changes: Any) -> str:
+        columns = {name: value for name, value in (good | changes).items() if value is not None}
+        truth = written_as(tmp_path / f"bad{suffix}", columns)
+        line = refused("navigate", toml, vectors, "-o", tmp_path / "nav.csv", "--truth", truth)
+        assert f"{truth}: " in line
+        return line
+
+    assert "column lat_deg is missing" in said(lat_deg=None)
+    assert "row 2: v_east is nan" in said(v_east=np.array([0.0, np.nan]))
+    assert "row 2: time 1.4 s does not come after 1.5 s" in said(time_s=np.array([1.5, 1.4]))
+    assert "row 1: lat_deg 91 is not allowed" in said(lat_deg=np.array([91.0, 48.0]))
+    assert "row 2: the quaternion has length 0.5" in said(q_w=np.array([1.0, 0.5]))
+    if suffix == ".npz":
+        assert "v_down is of type <U1" in said(v_down=np.array(["a", "b"]))
+        assert "height_m is of type float64 and shape (1, 2)" in said(height_m=np.zeros((1, 2)))
+    if suffix != ".parquet":
+        assert "height_m has 3 rows and time_s 2" in said(height_m=np.zeros(3))
+    whole = (tmp_path / f"bad{suffix}").read_bytes()
+    cut = tmp_path / f"cut{suffix}"
+    cut.write_bytes(whole[: len(whole) // 2])
+    words = ("navigate", toml, vectors, "-o", tmp_path / "nav.csv", "--truth", cut)
+    assert "not a whole" in refused(*words)
 
 
 GOOD = "1.5,1,0,0,0,0,0,0,1,2,3,48,11,500"

@@ -8,6 +8,7 @@ import pytest
 from amaranth import ClockDomain, Module
 from amaranth.sim import Simulator
 
+from position_designs import HIGH_RESOLUTION
 from sculler_hdl.compact.core import CompactCore
 from sculler_hdl.compact.memory import BlockMemory, _initial_row
 from sculler_hdl.compact.microcode import timing
@@ -78,6 +79,9 @@ CASES = [
     ("taylor_7p0", {"target": "ice40"}, 1200),
     ("rate_1p0", {}, 3000),
     ("late_sum_2", {"target": "ice40", "multipliers": 0}, 2000),
+    ("smallest_hr", {"target": "ecp5"}, 2500),
+    ("savage_hr", {"target": "ice40"}, 3000),
+    ("dense_hr", {"target": "xilinx"}, 5000),
 ]
 
 
@@ -88,7 +92,7 @@ CASES = [
 )
 def test_every_port_on_every_clock(name, hardware, clocks):
     """With stalls on both sides, faults, and resets in the middle of everything."""
-    design = compact(DESIGNS[name], **hardware)
+    design = compact((DESIGNS | HIGH_RESOLUTION)[name], **hardware)
     resets = (0, 400, 401, 402, 700)
     run = Watched(design, 1, offered=0.6, taken=0.8, resets=resets).run(clocks)
     assert run.samples > 4

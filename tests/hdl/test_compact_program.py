@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from position_designs import HIGH_RESOLUTION
 from sculler_hdl.compact.interpreter import Interpreter
 from sculler_hdl.compact.listing import figures, listing
 from sculler_hdl.compact.microcode import microcode, timing
@@ -32,6 +33,9 @@ from sculler_model.stream import to_words
 from sculler_model.wordlength import Interval
 from strategies import DESIGNS, designs, random_counts
 
+ALL = DESIGNS | HIGH_RESOLUTION
+EACH = pytest.mark.parametrize("design", ALL.values(), ids=ALL)
+
 
 def compact(design, **hardware):
     return Design.parse({**design.as_json(), "hardware": {"core": "compact", **hardware}})
@@ -54,7 +58,7 @@ def runs_as_the_golden_model(design, samples, seed):
     return results
 
 
-@pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
+@EACH
 def test_schedule_gives_the_golden_vectors(design):
     samples = max(3 * design.samples_per_major, 40)
     assert runs_as_the_golden_model(compact(design), samples, 1) >= 3
@@ -119,7 +123,7 @@ def brute_short_majors(design):
     return [result.status for result in steps if result is not None]
 
 
-@pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
+@EACH
 def test_short_history_is_that_of_the_first_major_intervals(design):
     short = short_majors(design)
     statuses = brute_short_majors(design)
@@ -144,7 +148,7 @@ def test_schedule_fills_the_delay_before_it_waits():
 
 
 @pytest.mark.parametrize("hardware", [{}, {"target": "ice40"}, {"multipliers": 0}])
-@pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
+@EACH
 def test_nothing_is_read_before_it_is_stored(design, hardware):
     design = compact(design, **hardware)
     delay = pipeline(design).store
@@ -157,7 +161,7 @@ def test_nothing_is_read_before_it_is_stored(design, hardware):
             assert not (instruction.base is Base.SHIFT and instruction.subtract)
 
 
-@pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
+@EACH
 def test_newer_samples_spare_what_a_program_reads(design):
     """n newer samples may come before the next program has begun."""
     furthest = max(

@@ -9,9 +9,10 @@ import sys
 
 import pytest
 
-from sculler_hdl.verilog import generate
+from sculler_hdl.verilog import describe_ports, generate
 from sculler_model.design import Design
 from sculler_model.vectors import COLUMNS
+from sculler_sim.verilator_build import emitted
 from strategies import DESIGNS, with_hardware
 
 
@@ -21,9 +22,14 @@ def design(request):
 
 
 @pytest.fixture
-def verilog_file(design, tmp_path):
+def verilog(design):
+    return emitted(design)[f"{design.name}.v"]
+
+
+@pytest.fixture
+def verilog_file(design, verilog, tmp_path):
     path = tmp_path / f"{design.name}.v"
-    path.write_text(generate(design).verilog)
+    path.write_text(verilog)
     return path
 
 
@@ -80,21 +86,19 @@ def test_both_linters_are_silent_on_every_core_and_target(variant, tmp_path, ver
         assert (run.returncode, run.stdout + run.stderr) == (0, "")
 
 
-def test_no_waiver_hides_in_the_text(design):
-    assert not re.search(r"lint_off|translate_off|synthesis|verilator", generate(design).verilog)
+def test_no_waiver_hides_in_the_text(verilog):
+    assert not re.search(r"lint_off|translate_off|synthesis|verilator", verilog)
 
 
-def test_ports_are_what_the_manifest_says(design):
-    made = generate(design)
-    declared = re.findall(
-        r"^  (input|output) (?:reg )?(?:\[(\d+):0\] )?(\w+);$", made.verilog, re.M
-    )
+def test_ports_are_what_the_manifest_says(design, verilog):
+    told = describe_ports(design)
+    declared = re.findall(r"^  (input|output) (?:reg )?(?:\[(\d+):0\] )?(\w+);$", verilog, re.M)
     ports = {name: (direction, int(top or 0) + 1) for direction, top, name in declared}
-    assert ports == {p["name"]: (p["direction"], p["width"]) for p in made.manifest["ports"]}
-    header = re.search(r"^module (\w+) \(\n(.*?)\n\);", made.verilog, re.M | re.S)
+    assert ports == {p["name"]: (p["direction"], p["width"]) for p in told}
+    header = re.search(r"^module (\w+) \(\n(.*?)\n\);", verilog, re.M | re.S)
     assert header[1] == design.name
     order = [name.strip() for name in header[2].split(",")]
-    assert order == [p["name"] for p in made.manifest["ports"]]
+    assert order == [p["name"] for p in told]
     results = [name.removeprefix("result_") for name in order if name.startswith("result_")]
     assert [r for r in results if r not in ("valid", "ready")] == list(COLUMNS)
 
@@ -103,6 +107,7 @@ def test_manifest_of_the_default_design():
     made = generate(Design.preset("stim300"))
     manifest = json.loads(json.dumps(made.manifest))
     assert manifest["verilog_sha256"] == hashlib.sha256(made.verilog.encode()).hexdigest()
+    assert manifest["ports"] == describe_ports(Design.preset("stim300"))
     assert manifest["table"]["taps"][3] == [214, 92, 54]
     assert manifest["scales"]["gyro"] == pytest.approx(3.14159265358979 / 180 / 2**21, rel=1e-14)
     assert manifest["samples_per_major"] == 20

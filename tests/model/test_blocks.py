@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from sculler_model.blocks import VectorBlock, component_dtype
-from sculler_model.vectors import COLUMNS, COMPONENTS, VECTORS, Result
+from sculler_model.vectors import (
+    COLUMNS,
+    COMPONENTS,
+    HIGH_RESOLUTION_COLUMNS,
+    HIGH_RESOLUTION_VECTORS,
+    VECTORS,
+    Result,
+)
 from strategies import DESIGNS
 
 RESULTS = [
@@ -21,7 +28,7 @@ def test_column_names() -> None:
         "sculling_within_y,sculling_within_z,sculling_between_x,sculling_between_y,"
         "sculling_between_z"
     )
-    assert Result._fields[2:] == VECTORS
+    assert Result._fields[2:] == (*VECTORS, *HIGH_RESOLUTION_VECTORS)
 
 
 @pytest.mark.parametrize("kind", [np.int64, object])
@@ -85,3 +92,27 @@ def test_component_dtype_follows_the_widest_vector() -> None:
     for name, design in DESIGNS.items():
         assert (component_dtype(design) == np.int64) == (widest[name] <= 64)
     assert len(COMPONENTS) == 18
+
+
+def test_blocks_with_high_resolution_position() -> None:
+    vectors = [(100 * i, -i, i) for i in range(9)]
+    results = [Result(i, 0, *vectors[:6], *vectors[6:]) for i in range(3)]
+    block = VectorBlock.from_results(results)
+    assert block.components.shape == (3, 27)
+    assert block.columns == HIGH_RESOLUTION_COLUMNS
+    assert [*block.rows()] == [result.row() for result in results]
+    assert block.vector("nu").tolist() == [list(vectors[3])] * 3
+    assert block.vector("scrolling").tolist() == [list(vectors[8])] * 3
+    changed = [*results[:2], results[2]._replace(s_nu=(700, -7, 8))]
+    other = VectorBlock.from_results(changed)
+    assert block.first_difference(other) == (2, "s_nu_z", 7, 8)
+    assert VectorBlock.from_results([], components=27).columns == HIGH_RESOLUTION_COLUMNS
+    assert VectorBlock.from_results([]).columns == COLUMNS
+    with pytest.raises(ValueError, match="not in tuple"):
+        VectorBlock.from_results(RESULTS).vector("s_nu")
+
+
+def test_column_names_with_high_resolution_position() -> None:
+    assert ",".join(HIGH_RESOLUTION_COLUMNS) == ",".join(COLUMNS) + (
+        ",s_alpha_x,s_alpha_y,s_alpha_z,s_nu_x,s_nu_y,s_nu_z,scrolling_x,scrolling_y,scrolling_z"
+    )

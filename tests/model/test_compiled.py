@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 from math import radians
 
 import numpy as np
@@ -43,6 +44,7 @@ def test_run_is_update_many_times(
     increments: MajorIncrements, position_every: int, damping: HeightDamping | None, fine: bool
 ) -> None:
     ways = 0.005 * increments.dv_sf if fine else None
+    increments = replace(increments, dr_sf=ways)
 
     def navigator() -> Navigator:
         return Navigator(START, 0.01, position_every=position_every, height_damping=damping)
@@ -57,18 +59,16 @@ def test_run_is_update_many_times(
             strict=True,
         )
     ]
-    whole = navigator().run(increments, ways, compiled=True)
-    assert same(navigator().run(increments, ways, compiled=False), whole)
+    whole = navigator().run(increments, compiled=True)
+    assert same(navigator().run(increments, compiled=False), whole)
     assert same(NavHistory.from_states(states), whole)
     # in parts, and some of them one at a time
     mixed = navigator()
-    first = None if ways is None else ways[:100]
-    parts = [mixed.run(increments[:100], first, compiled=True)]
+    parts = [mixed.run(increments[:100], compiled=True)]
     for i in range(100, 107):
         rows = [increments.phi[i], increments.dv_sf[i], *([] if ways is None else [ways[i]])]
         parts.append(NavHistory.from_states([mixed.update(*(tuple(r.tolist()) for r in rows))]))
-    last = None if ways is None else ways[107:]
-    parts.append(mixed.run(increments[107:], last, compiled=True))
+    parts.append(mixed.run(increments[107:], compiled=True))
     assert same(NavHistory.concatenate(parts), whole)
     assert mixed.state == whole.state(-1)
 
@@ -123,7 +123,7 @@ def test_arrays_of_other_lengths_are_refused(
     navigator = Navigator(START, 0.01)
     message = r"increments: shapes \(300, 3\), \(300, 3\), \(299, 3\) differ"
     with pytest.raises(InputError, match=message):
-        navigator.run(increments, increments.dv_sf[1:], compiled=compiled)
+        navigator.run(replace(increments, dr_sf=increments.dv_sf[1:]), compiled=compiled)
     assert navigator.state == START
 
 

@@ -14,6 +14,7 @@ from sculler_model.coefficients import TapTable, filtered_rate, frequency_taylor
 from sculler_model.design import Design, Hardware
 from sculler_model.errors import InputError
 from sculler_model.presets import PRESETS
+from sculler_model.vectors import COLUMNS, COMPONENTS, VECTORS
 from strategies import DESIGNS
 
 STIM300 = """\
@@ -578,3 +579,68 @@ class TestHardware:
         assert len({design.digest for design in designs}) == len(designs)
         for design in designs:
             assert Design.parse(design.as_json()) == design
+
+
+class TestHighResolutionPosition:
+    KEY = ("algorithm.position", "high-resolution")
+    CORE = ("hardware", {"core": "compact"})
+
+    def test_three_more_vectors(self) -> None:
+        design = Design.parse(changed(self.KEY, self.CORE))
+        assert design.high_resolution
+        assert design.vectors == (*VECTORS, "s_alpha", "s_nu", "scrolling")
+        assert design.components == (
+            *COMPONENTS,
+            *(f"{v}_{axis}" for v in ("s_alpha", "s_nu", "scrolling") for axis in "xyz"),
+        )
+        assert design.columns == ("major", "status", *design.components)
+        assert Design.parse(design.as_json()) == design
+
+    def test_not_asked_for(self) -> None:
+        design = Design.parse(changed())
+        assert design == Design.parse(changed(("algorithm.position", "trapezoidal")))
+        assert (design.vectors, design.components, design.columns) == (VECTORS, COMPONENTS, COLUMNS)
+        assert (design.words.s_alpha, design.words.s_nu, design.words.scrolling) == (None,) * 3
+
+    def test_own_table_of_a_plain_sum(self) -> None:
+        table = {"denominator": 3, "taps": [2], "weights": [7, 7], "sum_denominator": 7}
+        own = {"family": "table", "samples": 2, "minors": 3, "table": table}
+        assert Design.parse(changed(("algorithm", own), self.KEY, self.CORE)).high_resolution
+
+    def test_another_value(self) -> None:
+        assert refusal(changed(("algorithm.position", "high"), self.CORE)) == (
+            'algorithm.position: \'high\' is not allowed, give "trapezoidal" or "high-resolution"'
+        )
+
+    @pytest.mark.parametrize("hardware", [{}, {"core": "pipelined"}, {"target": "ecp5"}])
+    def test_only_the_compact_core_has_it(self, hardware: dict[str, str]) -> None:
+        assert refusal(changed(self.KEY, ("hardware", hardware))) == (
+            'hardware.core: "pipelined" has no algorithm.position = "high-resolution", give'
+            ' core = "compact"'
+        )
+
+    def test_no_hardware_at_all(self) -> None:
+        assert "hardware.core" in refusal(changed(self.KEY))
+
+    def test_rate_samples(self) -> None:
+        keys = (("sensor.kind", "rate"), ("algorithm.family", "filtered-rate"))
+        assert refusal(changed(self.KEY, self.CORE, *keys)) == (
+            'algorithm.position: "high-resolution" is not possible with sensor.kind = "rate", give'
+            ' sensor.kind = "increment" or leave it out'
+        )
+
+    @pytest.mark.parametrize(
+        "sums", [{"weights": [1, 2]}, {"weights": [1, 1, 1]}, {"weights": [1]}, {"weights": [2, 2]}]
+    )
+    def test_other_sums(self, sums: dict[str, Any]) -> None:
+        table = {"denominator": 3, "taps": [2], **sums}
+        own = {"family": "table", "samples": 2, "minors": 3, "table": table}
+        assert refusal(changed(("algorithm", own), self.KEY, self.CORE)) == (
+            'algorithm.position: "high-resolution" needs every sample of a minor interval to count'
+            " once, leave out algorithm.table.weights or position"
+        )
+
+    def test_a_fault_of_the_core_beside_one_of_the_sensor(self) -> None:
+        found = refusal(changed(self.KEY, ("sensor.kind", "rates")))
+        assert "sensor.kind" in found
+        assert "hardware.core" in found

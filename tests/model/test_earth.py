@@ -1,13 +1,13 @@
 """WGS-84 against geometry and the closed form of the normal gravity field."""
 
-from math import atan, cos, pi, radians, sin, sqrt, tan
+from math import cos, pi, radians, sin, tan
 
 import numpy as np
 import pytest
 
 from sculler_model.navigation import earth
 
-A, F = 6378137.0, 1 / 298.257223563
+A, F = 6378137.0, 1 / np.longdouble("298.257223563")
 B = A * (1 - F)
 E2 = F * (2 - F)
 GM, RATE = 3.986004418e14, 7.292115e-5
@@ -15,12 +15,12 @@ LATITUDES = [-90, -60, -23.4, 0, 10, 45, 71, 89, 90]
 
 
 def ecef(lat: float, lon: float, h: float) -> np.ndarray:
-    normal = A / sqrt(1 - E2 * sin(lat) ** 2)
+    normal = A / np.sqrt(1 - E2 * np.sin(lat) ** 2)
     return np.array(
         [
-            (normal + h) * cos(lat) * cos(lon),
-            (normal + h) * cos(lat) * sin(lon),
-            (normal * (1 - E2) + h) * sin(lat),
+            (normal + h) * np.cos(lat) * np.cos(lon),
+            (normal + h) * np.cos(lat) * np.sin(lon),
+            (normal * (1 - E2) + h) * np.sin(lat),
         ]
     )
 
@@ -30,17 +30,17 @@ def potential(p: float, z: float) -> float:
 
     In ellipsoidal coordinates (Heiskanen and Moritz, Physical Geodesy, Eq. 2-62).
     """
-    E = sqrt(A * A - B * B)
+    E = np.sqrt(A * A - B * B)
     inner = p * p + z * z - E * E
-    u = sqrt(0.5 * (inner + sqrt(inner * inner + 4 * E * E * z * z)))
+    u = np.sqrt(0.5 * (inner + np.sqrt(inner * inner + 4 * E * E * z * z)))
     sin_beta = z / u
     cos_beta_squared = p * p / (u * u + E * E)
 
     def q(u: float) -> float:
-        return 0.5 * ((1 + 3 * u * u / (E * E)) * atan(E / u) - 3 * u / E)
+        return 0.5 * ((1 + 3 * u * u / (E * E)) * np.arctan(E / u) - 3 * u / E)
 
     return (
-        GM / E * atan(E / u)
+        GM / E * np.arctan(E / u)
         + 0.5 * RATE**2 * A * A * q(u) / q(B) * (sin_beta**2 - 1 / 3)
         + 0.5 * RATE**2 * (u * u + E * E) * cos_beta_squared
     )
@@ -58,6 +58,28 @@ def test_gravity_is_the_gradient_of_the_normal_potential(
     along_z = (potential(x, z + step) - potential(x, z - step)) / (2 * step)
     down = -(along_p * cos(lat) + along_z * sin(lat))
     assert earth.gravity(sin(lat), h) == pytest.approx(down, abs=within)
+
+
+@pytest.mark.parametrize("lat_deg", LATITUDES)
+@pytest.mark.parametrize(("h", "within"), [(0.0, 1e-12), (5e3, 2e-10), (20e3, 1e-9)])
+def test_gravity_leans_as_the_normal_potential_says(
+    lat_deg: float, h: float, within: float
+) -> None:
+    """Along the ellipsoid, by differences of fourth order in extended precision."""
+    lat = np.longdouble(radians(lat_deg))
+    north = np.array([-np.sin(lat), np.cos(lat)])
+    across, _, along = ecef(lat, 0.0, h)
+
+    def between(step: float) -> float:
+        ahead, behind = (np.array([across, along]) + sign * step * north for sign in (1, -1))
+        return potential(*ahead) - potential(*behind)
+
+    leaning = float((8 * between(2e3) - between(4e3)) / (12 * 2e3))
+    cos_lat = cos(radians(lat_deg))
+    found = cos_lat * earth.gravity_lean(sin(radians(lat_deg)), h)
+    assert found == pytest.approx(leaning, abs=within)
+    # the figure that Groves gives (Eq. 2.140)
+    assert found == pytest.approx(-8.08e-9 * h * sin(2 * radians(lat_deg)), rel=0.01, abs=1e-18)
 
 
 def test_gravity_at_equator_and_pole() -> None:

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from position_designs import HIGH_RESOLUTION, furthest
 from sculler_model import fast
 from sculler_model.blocks import VectorBlock, component_dtype
 from sculler_model.design import Design
@@ -33,7 +34,7 @@ def golden(design: Design, counts: Counts, faults: Any = None) -> VectorBlock:
         for (a, b, c, d, e, f), mark in zip(counts.tolist(), marks, strict=True)
     )
     results = list(GoldenModel(design).run(samples))
-    return VectorBlock.from_results(results, component_dtype(design))
+    return VectorBlock.from_results(results, component_dtype(design), len(design.components))
 
 
 def assert_same(ours: VectorBlock, theirs: VectorBlock) -> None:
@@ -56,13 +57,13 @@ def in_chunks(design: Design, counts: Counts, cuts: list[int], faults: Any = Non
 
 
 @pytest.mark.parametrize("few_minors", [0, fast.FEW_MINORS, 4096])
-@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("name", [*DESIGNS, *HIGH_RESOLUTION])
 def test_equals_golden_for_named_designs(
     name: str, few_minors: int, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(fast, "FEW_MINORS", few_minors)
     monkeypatch.setattr(fast, "BLOCK", 50)
-    design = DESIGNS[name]
+    design = (DESIGNS | HIGH_RESOLUTION)[name]
     span = design.samples_per_major
     counts = random_counts(design, 7 * span + span // 2 + 1, rng)
     faults = rng.random(len(counts)) < 0.5 / span
@@ -340,3 +341,49 @@ def test_blocks_computed_side_by_side_stay_in_order() -> None:
         counts[t, 4] = 1 << 23
     with pytest.raises(InputError, match=r"^sample 1: accel_y"):
         run_fast(design, counts)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    n=st.integers(1, 8),
+    minors=st.integers(1, 40),
+    bits=st.tuples(st.integers(8, 32), st.integers(8, 32)),
+    data=st.data(),
+)
+def test_high_resolution_position_equals_golden(
+    n: int, minors: int, bits: tuple[int, int], data: st.DataObject
+) -> None:
+    options = {"position": "high-resolution"}
+    compact = {"core": "compact"}
+    p = data.draw(st.integers(1 if n == 1 else 0, n))
+    design = make_design("any", n, p, minors, bits, options=options, hardware=compact)
+    span = design.samples_per_major
+    rng = np.random.default_rng(data.draw(st.integers(0, 2**32)))
+    counts = random_counts(design, min(6 * span + 3, 1000), rng)
+    cuts = data.draw(st.lists(st.integers(0, len(counts)), max_size=6))
+    with mock.patch.object(fast, "BLOCK", data.draw(st.integers(1, 400))):
+        assert_same(in_chunks(design, counts, cuts), golden(design, counts))
+
+
+@pytest.mark.parametrize(("minors", "bits"), [(4096, (32, 32)), (1000, (32, 8)), (1, (32, 32))])
+@pytest.mark.parametrize("lowest", [False, True], ids=["mixed", "all most negative"])
+def test_high_resolution_position_at_the_corners(
+    minors: int, bits: tuple[int, int], lowest: bool, rng: np.random.Generator
+) -> None:
+    options = {"position": "high-resolution"}
+    compact = {"core": "compact"}
+    design = make_design("corner", 1, 1, minors, bits, options=options, hardware=compact)
+    counts = random_counts(design, 2 * design.samples_per_major, rng)
+    if lowest:
+        counts[:] = [design.words.gyro.lo] * 3 + [design.words.accel.lo] * 3
+        counts[:, ::3] = design.words.gyro.hi, design.words.accel.hi
+    assert_same(run_fast(design, counts), golden(design, counts))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("name", HIGH_RESOLUTION)
+def test_high_resolution_position_where_scrolling_is_furthest(name: str, sign: int) -> None:
+    """Half of the counts then have every digit but the highest at its largest."""
+    design = HIGH_RESOLUTION[name]
+    counts = np.concatenate([furthest(design, axis, sign) for axis in range(3)])
+    assert_same(run_fast(design, counts), golden(design, counts))

@@ -13,9 +13,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from position_designs import HIGH_RESOLUTION
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.golden import GoldenModel, Sample
+from sculler_model.scrolling import high_resolution
 from sculler_model.vectors import Result, Vec
 from strategies import DESIGNS, designs, make_design, random_counts
 
@@ -302,3 +304,32 @@ class TestWidths:
         (result,) = model.run(samples_of(rows))
         expected = run(DESIGNS["dense_odd_3"], [[-128, 127, 0, -1024, 1023, 0], *rows])
         assert [result] == expected
+
+
+@pytest.mark.parametrize("name", HIGH_RESOLUTION)
+def test_high_resolution_position_beside_the_six_vectors(name: str) -> None:
+    design = HIGH_RESOLUTION[name]
+    rows = random_counts(design, 4 * design.samples_per_major, np.random.default_rng(3)).tolist()
+    plain = Design.parse(
+        {
+            **design.as_json(),
+            "algorithm": {**design.as_json()["algorithm"], "position": "trapezoidal"},
+        }
+    )
+    both = [(gyro, accel) for gyro, accel, _ in samples_of(rows)]
+    expected = high_resolution(both, design.samples_per_major)
+    for found, six, more in zip(run(design, rows), run(plain, rows), expected, strict=True):
+        assert found[2:8] == six[2:8]
+        assert found[8:] == more[2:]
+        assert found.row() == (*six.row()[:1], found.status, *six.row()[2:], *sum(more[2:], ()))
+        assert found.status == (1 if found.major == 0 else six.status)
+        assert six[8:] == (None, None, None)
+
+
+def test_high_resolution_position_after_reset() -> None:
+    design = HIGH_RESOLUTION["savage_hr"]
+    rows = random_counts(design, 15, np.random.default_rng(4)).tolist()
+    model = GoldenModel(design)
+    list(model.run(samples_of(rows)))
+    model.reset()
+    assert list(model.run(samples_of(rows))) == run(design, rows)

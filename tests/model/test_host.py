@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from math import degrees, factorial, pi, radians, sin
 
@@ -17,7 +18,13 @@ from sculler_model.blocks import VectorBlock
 from sculler_model.closed_form import drift_rate, uncorrected_rate
 from sculler_model.design import Design
 from sculler_model.fast import run_fast
-from sculler_model.host import MajorIncrements, major_increments, uncorrected, velocity_rotation
+from sculler_model.host import (
+    MajorIncrements,
+    ThirdOrder,
+    major_increments,
+    uncorrected,
+    velocity_rotation,
+)
 from sculler_model.motion import Coning, Sculling
 from sculler_model.navigation import AxisMap
 from sculler_model.navigation.rotation import Quaternion, rotate
@@ -117,6 +124,40 @@ def test_uncorrected_drops_only_coning_and_sculling() -> None:
     full = major_increments(design, block_of(rows))
     assert np.array_equal(plain.phi, full.alpha)
     assert np.array_equal(plain.dv_sf, full.dv_sf)
+
+
+def test_slices_axes_and_joining_of_displacements() -> None:
+    inc = MajorIncrements(*np.random.default_rng(0).normal(size=(4, 6, 3)))
+    again = MajorIncrements.concatenate([inc[:2], inc[2:]])
+    assert inc.dr_sf is not None
+    assert np.array_equal(again.dr_sf, inc.dr_sf)
+    turned = inc.in_axes(AxisMap.parse("y,x,-z"))
+    assert np.array_equal(turned.dr_sf, inc.dr_sf[:, [1, 0, 2]] * [1, 1, -1])
+    corrected = ThirdOrder()(inc)
+    assert np.array_equal(corrected.dr_sf, inc.dr_sf)
+    with pytest.raises(ValueError, match="1 of 2 parts have dr_sf"):
+        MajorIncrements.concatenate([inc[:2], replace(inc[2:], dr_sf=None)])
+
+
+def test_displacement_is_the_formula_of_the_page() -> None:
+    """Small angles, where Eq. 99 is 1/6 (S_α×υ + α×S_υ); wide integers, each scaled by its own."""
+    design = fine_design(4, 0, 5, 500.0, 3e-13, 1e-4, position="high-resolution")
+    rng = np.random.default_rng(12)
+    rows = rng.integers(-(10**5), 10**5, (4, 27)).astype(object)
+    rows[:, 24:] *= 10**20
+    found = major_increments(design, block_of(rows))
+    T, g, a = Fraction(1, 500), Fraction(3e-13), Fraction(1e-4)
+    for at, row in enumerate(rows.tolist()):
+        alpha, upsilon = [g * c for c in row[:3]], [a * c for c in row[9:12]]
+        s_alpha = [g * T * c / 12 for c in row[18:21]]
+        s_upsilon = [a * T * c / 12 for c in row[21:24]]
+        for x in range(3):
+            y, z = (x + 1) % 3, (x + 2) % 3
+            rotation = s_alpha[y] * upsilon[z] - s_alpha[z] * upsilon[y]
+            rotation += alpha[y] * s_upsilon[z] - alpha[z] * s_upsilon[y]
+            way = s_upsilon[x] + rotation / 6 + g * a * T * row[24 + x] / 4320
+            assert found.dr_sf is not None
+            assert found.dr_sf[at, x] == pytest.approx(float(way), rel=1e-12)
 
 
 def test_slices_axes_and_joining() -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sculler_model import motion
 from sculler_model.motion import Coning, Curve, Motion, Sculling, at_rest, turn_motion
 from sculler_model.navigation import NavHistory
-from sculler_model.navigation.earth import gravity
+from sculler_model.navigation.earth import gravity, gravity_lean
 from sculler_model.navigation.rotation import to_dcm
 
 RATE, A, F = 7.292115e-5, 6378137.0, 1 / 298.257223563
@@ -52,6 +52,13 @@ def inertial_position(where: Motion, t: NDArray) -> NDArray:
     return np.stack((across * np.cos(lon), across * np.sin(lon), up), 1)
 
 
+def plumb_bob(state: NavHistory) -> NDArray:
+    """Gravity, north, east, down (N, 3)."""
+    sin_lat, cos_lat = np.sin(state.lat), np.cos(state.lat)
+    north = cos_lat * gravity_lean(sin_lat, state.h)
+    return np.stack((north, 0 * north, gravity(sin_lat, state.h)), 1)
+
+
 def body_frame(where: Motion, t: NDArray) -> NDArray:
     """Axes of the body as columns, in inertial space (N, 3, 3)."""
     state = where.state(t)
@@ -72,8 +79,7 @@ def test_sensed_force_is_the_acceleration_in_inertial_space_less_gravitation() -
     acceleration = sixth_order_second(lambda t: inertial_position(TURN, t), times, 0.02)
     state, position = TURN.state(times), inertial_position(TURN, times)
     # gravitation = plumb-bob gravity + centrifugal acceleration taken back
-    down = local_frame(state, times)[:, :, 2]
-    plumb = gravity(np.sin(state.lat), state.h)[:, None] * down
+    plumb = np.einsum("nij,nj->ni", local_frame(state, times), plumb_bob(state))
     centripetal = -(RATE**2) * position * np.array([1, 1, 0])
     force = acceleration - (plumb + centripetal)
     in_body = np.einsum("nij,ni->nj", body_frame(TURN, times), force)
@@ -98,9 +104,7 @@ def test_sensed_force_is_the_rate_of_velocity_with_vibration() -> None:
     skew = np.swapaxes(frame, 1, 2) @ turning
     inertial_rate = np.stack((skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]), 1)
     earth = np.einsum("nij,i->nj", frame, np.array([0, 0, RATE]))
-    plumb = np.zeros((len(TIMES), 3))
-    plumb[:, 2] = gravity(np.sin(state.lat), state.h)
-    force = change + np.cross(inertial_rate + earth, state.v) - plumb
+    force = change + np.cross(inertial_rate + earth, state.v) - plumb_bob(state)
     C_nb = np.array([to_dcm(tuple(q)) for q in state.q.tolist()])
     expected = np.einsum("nij,ni->nj", C_nb, force)
     assert np.allclose(SHAKEN.sensed(TIMES)[:, 3:], expected, atol=1e-7)

@@ -24,7 +24,7 @@ from sculler_model.motion import (
 )
 from sculler_model.motion.catalogue import PLACE
 from sculler_model.navigation import NavHistory
-from sculler_model.navigation.earth import gravity
+from sculler_model.navigation.earth import gravity, gravity_lean
 from sculler_model.navigation.rotation import to_dcm, to_euler
 
 RATE, A, F = 7.292115e-5, 6378137.0, 1 / 298.257223563
@@ -109,7 +109,9 @@ def test_rate_velocity_and_force_are_derivatives_of_attitude_and_position(name: 
         for s, w, p in zip(states, around, places, strict=True)
     ]
     acceleration = sixth_order(second, step)
-    plumb = gravity(np.sin(states[3].lat), states[3].h)[:, None] * local[:, :, 2]
+    sin_lat, h = np.sin(states[3].lat), states[3].h
+    leaning = gravity_lean(sin_lat, h) * np.cos(states[3].lat)
+    plumb = leaning[:, None] * local[:, :, 0] + gravity(sin_lat, h)[:, None] * local[:, :, 2]
     gravitation = plumb - RATE**2 * places[3] * np.array([1, 1, 0])
     force = np.einsum("nij,ni->nj", axes[3], acceleration - gravitation).astype(float)
     assert np.abs(sensed[:, 3:] - force).max() < force_bound

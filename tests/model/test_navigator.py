@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import cosh, pi, radians, sin, sqrt
 
 import numpy as np
@@ -296,3 +297,21 @@ def test_flying_into_the_pole_is_refused() -> None:
         navigate(start, 0.1, inc, GeographicNavigator)
     with pytest.raises(InputError, match="at a pole there is no north"):
         GeographicNavigator(start._replace(lat=-pi / 2), 0.1)
+
+
+def test_a_displacement_that_is_not_finite_is_refused() -> None:
+    inc = MajorIncrements(*np.zeros((4, 5, 3)))
+    assert inc.dr_sf is not None
+    inc.dr_sf[3, 1] = np.nan
+    with pytest.raises(InputError, match=r"after 0\.000 s: an increment is not finite"):
+        navigate(LEVEL, 0.01, inc)
+
+
+def test_the_geographic_mechanisation_has_no_use_for_displacements() -> None:
+    g = gravity(sin(LEVEL.lat), LEVEL.h)
+    still = np.zeros((5, 3))
+    inc = MajorIncrements(still, still, np.tile([0.1, 0, -g * 0.01], (5, 1)), still + 7)
+    plain = replace(inc, dr_sf=None)
+    found, same = (navigate(LEVEL, 0.01, each, GeographicNavigator) for each in (inc, plain))
+    assert np.array_equal(found.lat, same.lat)
+    assert not np.array_equal(navigate(LEVEL, 0.01, inc).lat, navigate(LEVEL, 0.01, plain).lat)

@@ -9,7 +9,12 @@ import numpy as np
 import pytest
 
 from sculler_model.errors import InputError
-from sculler_model.scrolling import DoublyIntegrated, high_resolution
+from sculler_model.scrolling import (
+    DoublyIntegrated,
+    high_resolution,
+    scrolling_weight,
+    scrolling_weights_total,
+)
 
 Vector = tuple[Fraction, ...]
 Poly = list[Vector]  # coefficient vectors of 1, t, t², ...
@@ -179,3 +184,44 @@ def test_sums_are_plain_and_history_runs_across_intervals() -> None:
 def test_no_samples_in_an_interval_is_refused() -> None:
     with pytest.raises(InputError, match="samples in a major interval: 0 is not allowed"):
         list(high_resolution([], 0))
+
+
+def weights_by_impulses(M: int) -> list[list[int]]:
+    """c_ij as the algorithm of the page gives them: Δα_i along y and Δυ_j along z, all else 0."""
+    rows = []
+    for i in range(M + 1):
+        row = []
+        for j in range(M + 1):
+            samples = [[(0, 0, 0), (0, 0, 0)] for _ in range(2 * M)]
+            samples[M - 1 + i][0], samples[M - 1 + j][1] = (0, 1, 0), (0, 0, 1)
+            _, (_, _, scrolling) = as_on_the_page([(a, b) for a, b in samples], M)
+            row.append(int(4320 * scrolling[0]))
+        rows.append(row)
+    return rows
+
+
+@pytest.mark.parametrize("M", [1, 2, 3, 4, 6])
+def test_the_weights_of_the_double_sum(M: int) -> None:
+    expected = weights_by_impulses(M)
+    assert [[scrolling_weight(i, j, M) for j in range(M + 1)] for i in range(M + 1)] == expected
+
+
+@pytest.mark.parametrize("M", [*range(1, 12), 37, 64])
+def test_the_double_sum_is_scrolling(M: int) -> None:
+    samples = random_samples(np.random.default_rng(M), 2 * M)
+    *_, second = high_resolution(samples, M)
+    last = samples[M - 1 :]
+    total = [0, 0, 0]
+    for i, (a, _) in enumerate(last):
+        for j, (_, v) in enumerate(last):
+            c = scrolling_weight(i, j, M)
+            for x in range(3):
+                y, z = (x + 1) % 3, (x + 2) % 3
+                total[x] += c * (a[y] * v[z] - a[z] * v[y])
+    assert second.scrolling == tuple(total)
+
+
+@pytest.mark.parametrize("M", [*range(1, 30), 83, 150])
+def test_the_total_of_the_weights(M: int) -> None:
+    pairs = ((i, j) for i in range(M + 1) for j in range(M + 1))
+    assert scrolling_weights_total(M) == sum(abs(scrolling_weight(i, j, M)) for i, j in pairs)

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from position_designs import HIGH_RESOLUTION
 from sculler_model.stream import from_words, to_words, words_per_column, words_per_result
 from sculler_model.vectors import COLUMNS, VECTORS
 from strategies import DESIGNS
@@ -48,3 +49,12 @@ def test_a_part_of_a_result_is_refused():
     design = DESIGNS["stim300_4x5"]
     with pytest.raises(ValueError, match="79 words, not 80"):
         from_words(design, [0] * 79)
+
+
+def test_high_resolution_position_makes_the_result_longer():
+    design = HIGH_RESOLUTION["stim300_hr"]
+    assert design.words.scrolling.bits == 71  # the widest: 5 words
+    assert (words_per_column(design), words_per_result(design)) == (5, 29 * 5)
+    row = [3, 1, *range(-27, 0)]
+    row[-1] = design.words.scrolling.lo
+    assert from_words(design, to_words(design, row)) == tuple(row)

@@ -24,6 +24,7 @@ from sculler_model.navigation.earth import (
     EARTH_RATE,
     ECCENTRICITY_SQUARED,
     gravity,
+    gravity_lean,
     radii,
     transport_rate,
 )
@@ -148,7 +149,9 @@ class OverThePole:
         v, v1 = self.speed(psi)
         # (2 ω_ie + ω_en) × v with ω_ie = Ω P, ω_en = (0, -rate, 0), v = (v, 0, 0)
         along_y, along_z = -2 * EARTH_RATE * np.sin(psi) * v, self.rate * v
-        force = (v1, along_y, along_z - gravity(np.sin(psi), self.h))
+        # north, towards which w's x axis points before the pole, is where P points as well
+        leaning = gravity_lean(np.sin(psi), self.h) * np.cos(psi)
+        force = (v1 - leaning, along_y, along_z - gravity(np.sin(psi), self.h))
         back = conjugate(tuple(np.full_like(t, c) for c in self.attitude))
         return q, rotate(back, force)
 
@@ -260,7 +263,10 @@ def test_curvature_turned_into_w_is_that_of_the_ellipsoid(lat: float, wander: fl
     assert rotate(to_north, here.rate) == pytest.approx(
         (EARTH_RATE * cos(phi), 0.0, -EARTH_RATE * sin(phi)), abs=1e-19
     )
-    assert here.gravity == pytest.approx(gravity(sin(phi), h), rel=1e-15)
+    leaning = gravity_lean(sin(phi), h) * cos(phi)
+    assert rotate(to_north, here.gravity) == pytest.approx(
+        (leaning, 0.0, gravity(sin(phi), h)), rel=1e-14, abs=1e-19
+    )
     assert np.linalg.det(to_dcm(carried.place)) == pytest.approx(1.0)
 
 

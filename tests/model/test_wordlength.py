@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from position_designs import HIGH_RESOLUTION, furthest
 from sculler_model.design import Design
 from sculler_model.golden import GoldenModel
-from sculler_model.vectors import VECTORS, Result, Vec
+from sculler_model.vectors import HIGH_RESOLUTION_VECTORS, VECTORS, Result, Vec
 from sculler_model.wordlength import ZERO, Interval, cross, total
 from strategies import DESIGNS, designs, make_design, random_counts
 
@@ -104,6 +105,9 @@ class Watched(GoldenModel):
         result = super().step(gyro, accel, fault)
         for name in VECTORS:
             self.inside(name, getattr(result or self, name))
+        if self.position is not None:
+            for name in HIGH_RESOLUTION_VECTORS:
+                self.inside(name, getattr(result or self.position, name))
         return result
 
     def inside(self, name: str, vector: Vec) -> None:
@@ -243,3 +247,76 @@ def test_widths_of_the_default_design_by_hand() -> None:
     largest = 10 * 16 * (c * c + c * (c - 1))
     assert words.coning_between == Interval(-largest, largest)
     assert words.sculling_between == Interval(-2 * largest, 2 * largest)
+
+
+class TestHighResolutionPosition:
+    @pytest.mark.parametrize("name", HIGH_RESOLUTION)
+    @pytest.mark.parametrize("end", ["lo", "hi"])
+    def test_doubly_integrated_sums_reach_their_ends(self, name: str, end: str) -> None:
+        design = HIGH_RESOLUTION[name]
+        words = design.words
+        row = [getattr(words.gyro, end)] * 3 + [getattr(words.accel, end)] * 3
+        result = watch(design, [row] * (2 * design.samples_per_major))[-1]
+        assert words.s_alpha is not None
+        assert words.s_nu is not None
+        assert result.s_alpha == (getattr(words.s_alpha, end),) * 3
+        assert result.s_nu == (getattr(words.s_nu, end),) * 3
+
+    @pytest.mark.parametrize("name", HIGH_RESOLUTION)
+    def test_random_counts_stay_inside(self, name: str) -> None:
+        design = HIGH_RESOLUTION[name]
+        samples = min(6 * design.samples_per_major, 600)
+        watch(design, random_counts(design, samples, np.random.default_rng(2)).tolist())
+
+    @pytest.mark.parametrize(("minors", "share"), [(1, 0.99), (2, 0.92), (3, 0.84)])
+    def test_scrolling_over_all_corners_of_few_samples(self, minors: int, share: float) -> None:
+        """All counts at an end, y and z of both sensors in the interval and the sample before.
+
+        What a component reaches is the sum of what its two products reach, s_y r_z and s_z r_y.
+        """
+        options = {"position": "high-resolution"}
+        compact = {"core": "compact"}
+        design = make_design("tight", 1, 1, minors, (9, 8), options=options, hardware=compact)
+        words = design.words
+        count = minors + 1
+        ends = product(
+            product((words.gyro.lo, words.gyro.hi), repeat=count),
+            product((words.accel.lo, words.accel.hi), repeat=count),
+        )
+        reached = []
+        for s, r in ends:
+            rows = [[0] * 6] * (minors - 1)
+            rows += [[0, y, 0, 0, 0, z] for y, z in zip(s, r, strict=True)]
+            vector = watch(design, rows)[-1].scrolling
+            assert vector is not None
+            reached.append(vector[0])
+        one = hull(reached)
+        both = one - one  # the other product is subtracted
+        assert words.scrolling is not None
+        assert words.scrolling | both == words.scrolling
+        assert share < both.hi / words.scrolling.hi <= 1
+        assert share < both.lo / words.scrolling.lo <= 1
+
+    @pytest.mark.parametrize("sign", [1, -1])
+    @pytest.mark.parametrize("name", HIGH_RESOLUTION)
+    def test_scrolling_is_at_most_a_bit_wider_than_it_need_be(self, name: str, sign: int) -> None:
+        """Constructed counts come to 56 % of the end or more, whatever the number of samples."""
+        design = HIGH_RESOLUTION[name]
+        allowed = design.words.scrolling
+        assert allowed is not None
+        for axis in range(3):
+            vector = watch(design, furthest(design, axis, sign).tolist())[1].scrolling
+            assert vector is not None
+            end = allowed.hi if sign > 0 else allowed.lo
+            assert 0.56 < vector[axis] / end <= 1
+            assert allowed.bits - Interval(min(0, vector[axis]), max(0, vector[axis])).bits <= 1
+
+    def test_widths_of_24_bits_and_20_samples_by_hand(self) -> None:
+        words = HIGH_RESOLUTION["stim300_hr"].words
+        c = 2**23
+        # the k-th last of 20 samples counts 12 k + 6, the last 5, the one before the interval 1
+        weight = sum(12 * k + 6 for k in range(20))
+        assert words.s_alpha == words.s_nu == Interval(-weight * c, weight * (c - 1))
+        largest = 6000084 * (c * c + c * (c - 1))
+        assert words.scrolling == Interval(-largest, largest)
+        assert words.scrolling.bits == 71

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -11,8 +11,23 @@ import pytest
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.vectors import AXES, COMPONENTS, VECTORS
-from sculler_sim import cache, verilator_build
+from sculler_sim import cache, testbench, verilator_build
 from strategies import DESIGNS
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _quick_compiler() -> Iterator[None]:
+    """No optimisation of models that run for a moment; the command line's tests build with it."""
+    with pytest.MonkeyPatch.context() as patch:
+        flags = [flag for flag in verilator_build._CORE_FLAGS if not flag.startswith("-O")]
+        patch.setattr(verilator_build, "_CORE_FLAGS", [*flags, "-O0"])
+        yield
+
+
+@pytest.fixture
+def short_bench(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Test benches with a reset after some 50 samples and at least two major intervals then."""
+    monkeypatch.setattr(testbench, "_LEAST", ((1, 50), (2, 100)))
 
 
 @pytest.fixture(scope="session")

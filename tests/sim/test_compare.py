@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sculler_model.errors import InputError
-from sculler_model.vectors import COLUMNS
+from sculler_model.vectors import COLUMNS, HIGH_RESOLUTION_COLUMNS
 from sculler_sim.compare import Difference, compare
 
 HUGE = 2**200
@@ -90,3 +90,21 @@ def test_a_bad_file_is_refused(pair, tmp_path):
     (tmp_path / "other.csv").write_text("time,x\n1,2\n")
     with pytest.raises(InputError, match=r"other\.csv: line 1: the header"):
         compare(tmp_path / "other.csv", a)
+
+
+def test_files_of_other_columns_are_refused(tmp_path):
+    six, nine = tmp_path / "six.csv", tmp_path / "nine.csv"
+    six.write_text(",".join(COLUMNS) + "\n")
+    nine.write_text(",".join(HIGH_RESOLUTION_COLUMNS) + "\n" + ",".join(["0"] * 29) + "\n")
+    assert compare(nine, nine) is None
+    with pytest.raises(InputError, match=r"nine\.csv: 29 columns for 20 of .*six\.csv, give vect"):
+        compare(six, nine)
+
+
+def test_a_difference_in_the_last_vector(tmp_path):
+    paths = []
+    for value in ("4", "5"):
+        paths.append(tmp_path / f"{value}.csv")
+        row = ",".join(["0"] * 28 + [value])
+        paths[-1].write_text(",".join(HIGH_RESOLUTION_COLUMNS) + f"\n{row}\n")
+    assert compare(*paths) == Difference(0, 0, "scrolling_z", 4, 5)

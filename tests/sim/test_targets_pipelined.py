@@ -15,7 +15,7 @@ EACH = {
     for name, on_target in on_targets(design, "pipelined").items()
 }
 
-pytestmark = pytest.mark.usefixtures("icarus")
+pytestmark = pytest.mark.usefixtures("icarus", "short_bench")
 
 
 @pytest.mark.parametrize("design", EACH.values(), ids=EACH.keys())

@@ -3,8 +3,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from position_designs import HIGH_RESOLUTION
 from sculler_model.blocks import VectorBlock
 from sculler_model.errors import InputError
+from sculler_model.fast import run_fast
 from sculler_model.golden import GoldenModel
 from sculler_sim.vectors_file import VectorsWriter, read_vectors
 from strategies import DESIGNS, random_counts
@@ -154,3 +156,36 @@ def test_a_component_wider_than_the_designs_is_refused(tmp_path):
         path.write_text(f"{HEADER}\n{row()}\n{row(1, first=value)}\n")
         with pytest.raises(InputError, match=r"line 3: alpha_x is .* smallest can give \(8 bits\)"):
             list(read_vectors(path, design))
+
+
+def test_vectors_with_high_resolution_position(tmp_path):
+    """Their header is longer; with a design the columns must be its own."""
+    design = HIGH_RESOLUTION["stim300_hr"]
+    counts = random_counts(design, 3 * design.samples_per_major, np.random.default_rng(1))
+    block = run_fast(design, counts)
+    path = tmp_path / "v.csv"
+    with VectorsWriter(path, design.columns) as writer:
+        writer.write(block)
+    lines = path.read_text().splitlines()
+    assert lines[0] == HEADER + ",s_alpha_x,s_alpha_y,s_alpha_z,s_nu_x,s_nu_y,s_nu_z" + (
+        ",scrolling_x,scrolling_y,scrolling_z"
+    )
+    assert [tuple(map(int, line.split(","))) for line in lines[1:]] == [*block.rows()]
+    for known in (None, design):
+        (again,) = read_vectors(path, known)
+        assert [*again.rows()] == [*block.rows()]
+    with pytest.raises(InputError, match=r"line 1: 29 columns, but design .* gives 20; is this"):
+        next(read_vectors(path, DESIGNS["stim300_4x5"]))
+    wide = lines[-1].split(",")
+    wide[-1] = str(design.words.scrolling.hi + 1)
+    path.write_text("\n".join([*lines[:-1], ",".join(wide)]) + "\n")
+    with pytest.raises(InputError, match=r"line 4: scrolling_z is .* \(71 bits\)"):
+        next(read_vectors(path, design))
+
+
+def test_a_block_of_other_columns_is_not_written(tmp_path):
+    design = HIGH_RESOLUTION["smallest_hr"]
+    block = run_fast(design, np.zeros((3, 6), np.int64))
+    with pytest.raises(ValueError, match="29 columns for 20"), VectorsWriter(tmp_path / "v") as out:
+        out.write(block)
+    assert not [*tmp_path.iterdir()]

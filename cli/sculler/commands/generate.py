@@ -39,8 +39,6 @@ def command(design_name: str, folder: Path | None, as_json: bool) -> None:
     own come their models for simulators; with core = "compact" comes the schedule to read,
     NAME_schedule.txt.  The same design gives the same bytes.
     """
-    from sculler_model.vectors import VECTORS
-
     design = terminal.load_design(design_name)
     folder = folder or Path("build") / design.name
     with terminal.progress("generating", None):
@@ -64,7 +62,7 @@ def command(design_name: str, folder: Path | None, as_json: bool) -> None:
         "clocks": f"{manifest['clocks_per_minor']} a minor interval of"
         f" {design.algorithm.samples} samples; {manifest['latency_clocks']} from a major"
         " interval's last sample to its result",
-        "widths": ", ".join(f"{vector} {getattr(words, vector).bits}" for vector in VECTORS)
+        "widths": ", ".join(f"{vector} {getattr(words, vector).bits}" for vector in design.vectors)
         + " bits",
         "wrote": f"{folder}/: {', '.join(file.name for file in files)}",
     }

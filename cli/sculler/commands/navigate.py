@@ -122,8 +122,8 @@ _VELOCITIES = ("vn", "ve", "vd")
     "--truth",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Hold the run against this truth (CSV of `motion`); what of the initial state is left out"
-    " comes from its first row.",
+    help="Hold the run against this truth (of `motion`, or an npz, MAT or Parquet file with such"
+    " columns); what of the initial state is left out comes from its first row.",
 )
 @click.option(
     "--report",
@@ -163,7 +163,9 @@ def command(
     is forward, right, down.  Columns of the output, a row at the start and after every major
     interval: time_s; the attitude quaternion q_w, q_x, q_y, q_z from body to north-east-down;
     roll_deg, pitch_deg, heading_deg (heading from north to east); v_north, v_east, v_down (m/s);
-    lat_deg, lon_deg (geodetic) and height_m (over the ellipsoid).
+    lat_deg, lon_deg (geodetic) and height_m (over the ellipsoid): all of true north, in either
+    mechanisation; and wander_deg, from north to the x axis of the frame that was carried (0 if
+    that points north): heading_deg - wander_deg runs on over a pole.
 
     With --truth the errors of attitude, velocity and position are told and drawn.  They are formed
     at the instants of whichever of the two is sparser; where the other has no state at such an
@@ -202,12 +204,12 @@ def command(
     faults = _Faults()
 
     with (
-        terminal.progress("navigating", None) as advance,
+        terminal.progress("navigating", _rows(vectors)) as advance,
         replacing(output) as temporary,
     ):
         increments: Iterator[MajorIncrements] = (
             major_increments(design, block).in_axes(axis_map)
-            for block in faults.count(read_vectors(vectors, design))
+            for block in faults.count(read_vectors(vectors, design), advance)
         )
         if third_order:
             increments = map(ThirdOrder(), increments)
@@ -224,10 +226,10 @@ def command(
             skipped = _intervals(
                 begin, design.major_interval, "--start" if truth is None else truth
             )
-            _, increments = _split(increments, skipped)
+            increments = _after(increments, skipped)
             start = _given(begin, place, initial, reference)
         shown = Thinned()
-        with HistoryWriter(temporary) as writer:
+        with HistoryWriter(temporary, wander=True) as writer:
             navigator = _mechanisation(
                 mechanisation, start, design.major_interval, position_every, height_damping
             )
@@ -237,13 +239,14 @@ def command(
                 shown.add(part)
                 if reference is not None:
                     reference.add(part)
-                advance(len(part))
         if navigator.state == start:
             raise InputError(f"{vectors}: no results to navigate with, give a longer log")
         if reference is not None:
             reference.finish()
     data = _summary(design, vectors, output, start, navigator.state, alignment)
     data["fault_results"] = faults.results
+    fine_position = design.high_resolution and mechanisation == "wander"
+    data["position_algorithm"] = "high-resolution" if fine_position else "trapezoidal"
     if finely is not None:
         data["alignment"] |= _fine_facts(finely)
     if reference is not None:
@@ -259,7 +262,7 @@ def command(
         data["plots"] = [str(path) for path in pictures]
     if page is not None:
         data["report"] = str(page)
-        _write_report(page, design, data, click.get_current_context().params)
+        _write_report(page, design, data, _settings(click.get_current_context()))
     errors = () if reference is None else ("", table(data["errors"]))
     terminal.report(data, as_json, terminal.facts(_facts(data)), *errors)
 
@@ -270,13 +273,28 @@ class _Faults:
     def __init__(self) -> None:
         self.results = 0
 
-    def count(self, blocks: Iterable[VectorBlock]) -> Iterator[VectorBlock]:
-        """Pass the blocks on."""
+    def count(
+        self, blocks: Iterable[VectorBlock], advance: terminal.Advance
+    ) -> Iterator[VectorBlock]:
+        """Pass the blocks on, and tell how many results went by."""
         from sculler_model.vectors import STATUS_FAULT
 
         for block in blocks:
             self.results += int(((block.status & STATUS_FAULT) != 0).sum())
             yield block
+            advance(len(block))
+
+
+def _rows(vectors: str) -> int | None:
+    """Results in a vectors file, for the progress; None where it cannot be told beforehand."""
+    path = Path(vectors)
+    if not path.is_file():  # a pipe can be read but once
+        return None
+    try:
+        with path.open("rb") as file:
+            return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 16), b"")) - 1
+    except OSError:  # told where it is read
+        return None
 
 
 def _write_report(
@@ -285,9 +303,21 @@ def _write_report(
     """The run as one page."""
     from sculler.report import write_report
 
-    used = {key: value for key, value in settings.items() if value not in (None, False)}
     pictures = [Path(path) for path in data.get("plots", [])]
-    write_report(page, design, _facts(data), data.get("errors"), pictures, used, _warnings(data))
+    errors, warnings = data.get("errors"), _warnings(data)
+    write_report(page, design, _facts(data), errors, pictures, settings, warnings)
+
+
+def _settings(context: click.Context) -> dict[str, Any]:
+    """What the command line said, in its own names, and the defaults that came to be used."""
+    settings = {}
+    for parameter in context.command.params:
+        assert parameter.name is not None
+        value = context.params[parameter.name]
+        if value not in (None, False):
+            option = isinstance(parameter, click.Option)
+            settings[parameter.opts[-1] if option else parameter.human_readable_name] = value
+    return settings
 
 
 def _warnings(data: dict[str, Any]) -> list[str]:
@@ -378,6 +408,14 @@ def _given(
         for name, here in zip(_VELOCITIES, origin.v, strict=True)
     )
     return NavState(origin.time, q, (vn, ve, vd), *place)
+
+
+def _after(increments: Iterator[MajorIncrements], rows: int) -> Iterator[MajorIncrements]:
+    """All but the first `rows` intervals."""
+    for block in increments:
+        if rows < len(block):
+            yield block[rows:]
+        rows = max(0, rows - len(block))
 
 
 def _split(
@@ -493,6 +531,12 @@ def _summary(
     return data
 
 
+_POSITION = {
+    "high-resolution": "of high resolution, by the vectors s_alpha, s_nu and scrolling",
+    "trapezoidal": "by the trapezoid",
+}
+
+
 def _facts(data: dict[str, Any]) -> dict[str, str]:
     from sculler import against_truth
 
@@ -514,23 +558,30 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
         rows[f"warning {number}"] = warning
 
     def attitude(angles: dict[str, float]) -> str:
-        return ", ".join(f"{name} {angle:.4f}°" for name, angle in angles.items())
+        return ", ".join(f"{name} {_four_places(angle)}°" for name, angle in angles.items())
 
     moved, velocity, place = data["moved_m"], data["end_velocity"], data["end_position"]
     return rows | {
         "duration": f"{data['seconds']:,.6g} s from {data['start_s']:g} s on",
         "start attitude": attitude(data["start_attitude_deg"]),
         "end attitude": attitude(data["end_attitude_deg"]),
-        "end velocity": ", ".join(f"{name} {v:.4f}" for name, v in velocity.items()) + " m/s",
+        "end velocity": ", ".join(f"{name} {_four_places(v)}" for name, v in velocity.items())
+        + " m/s",
         "end position": f"lat {place['lat_deg']:.7f}°, lon {place['lon_deg']:.7f}°,"
         f" height {place['height_m']:.2f} m",
         "moved": ", ".join(f"{name} {metres:,.2f} m" for name, metres in moved.items()),
         "moved per hour": f"{data['moved_horizontally_km_per_h']:.4g} km/h horizontally, start to"
         " end",
-        "heading change": f"{data['heading_change_deg']:.4f}°,"
-        f" {data['heading_change_deg_per_h']:.4f} °/h",
+        "heading change": f"{_four_places(data['heading_change_deg'])}°,"
+        f" {_four_places(data['heading_change_deg_per_h'])} °/h",
+        "position": _POSITION[data["position_algorithm"]],
         "wrote": data["output"],
         **(against_truth.facts(data["errors"]) if "errors" in data else {}),
         **({"pictures": ", ".join(data["plots"])} if "plots" in data else {}),
         **({"report": data["report"]} if "report" in data else {}),
     }
+
+
+def _four_places(value: float) -> str:
+    """With four decimals, and no minus sign before a zero."""
+    return f"{round(value, 4) + 0.0:.4f}"

@@ -53,7 +53,7 @@ def read_npz(
         InputError: the file cannot be read, or lacks an array or a unit, or an array has another
             shape.
     """
-    arrays = _npz_arrays(path)
+    arrays = npz_arrays(path)
     advance(path.stat().st_size)
     names = {
         what: _only(path, arrays, known)
@@ -125,7 +125,12 @@ def _exact(stamps: NDArray[Any]) -> NDArray[np.int64] | NDArray[np.float64]:
     return stamps.astype(np.int64) if whole else stamps.astype(np.float64)
 
 
-def _npz_arrays(path: Path) -> dict[str, NDArray[Any]]:
+def npz_arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """The arrays of an `.npz` file by their names.
+
+    Raises:
+        InputError: the file cannot be read, or is no whole `.npz` file.
+    """
     try:
         with path.open("rb") as file:
             arrays = np.load(file, allow_pickle=False)
@@ -210,21 +215,9 @@ def read_parquet(
     Raises:
         InputError: pyarrow is absent, the file is no Parquet file, or lacks a column or a unit.
     """
-    try:
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-    except ImportError as error:
-        raise InputError(
-            f"{path}: reading Parquet files needs pyarrow, run: pip install 'sculler[formats]'"
-        ) from error
-    try:
-        file = pq.ParquetFile(path)
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot read the log ({error.strerror or error}), check the path"
-        ) from error
-    except pa.ArrowException as error:
-        raise InputError(f"{path}: not a whole Parquet file ({error}), write it again") from error
+    file = _parquet_file(path)
+    import pyarrow as pa
+
     names = list(file.schema_arrow.names)
     known = recognise(names)
     if columns is None:
@@ -255,12 +248,9 @@ def read_parquet(
     if clock is not None:
         notes["time stamps"] = f"{' and '.join(times)}, {clock.unit}"
 
-    def batches() -> Iterator[Samples]:
+    def chunks() -> Iterator[Samples]:
         first = 0
-        for batch in file.iter_batches(_CHUNK_ROWS, columns=wanted):
-            if not batch.num_rows:
-                continue
-            arrays = {name: _arrow_numbers(path, first, batch, name) for name in wanted}
+        for arrays in _batches(path, file, wanted):
             values = np.column_stack([arrays[name].astype(np.float64) for name in columns])
             require_finite(path, first, values, columns)
             flags = fault_flags(path, arrays[FAULT].astype(np.float64)) if faults else None
@@ -275,15 +265,57 @@ def read_parquet(
         if not first:
             raise InputError(f"{path}: the log has no samples, give some")
 
-    def chunks() -> Iterator[Samples]:
-        try:
-            yield from batches()
-        except (OSError, pa.ArrowException) as error:
-            raise InputError(
-                f"{path}: not a whole Parquet file ({error}), write it again"
-            ) from error
-
     return Recording(gyro, accel, chunks(), bool(faults), clock, notes)
+
+
+def parquet_names(path: Path) -> list[str]:
+    """Names of the columns of a Parquet file.
+
+    Raises:
+        InputError: pyarrow is absent, or the file is no Parquet file.
+    """
+    return list(_parquet_file(path).schema_arrow.names)
+
+
+def parquet_columns(path: Path, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
+    """Columns of a Parquet file by their names, batch by batch.
+
+    Raises:
+        InputError: pyarrow is absent, the file is no whole Parquet file, or a column holds
+            anything but numbers.
+    """
+    yield from _batches(path, _parquet_file(path), names)
+
+
+def _parquet_file(path: Path) -> Any:
+    try:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+    except ImportError as error:
+        raise InputError(
+            f"{path}: reading Parquet files needs pyarrow, run: pip install 'sculler[formats]'"
+        ) from error
+    try:
+        return pq.ParquetFile(path)
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot read the log ({error.strerror or error}), check the path"
+        ) from error
+    except pa.ArrowException as error:
+        raise InputError(f"{path}: not a whole Parquet file ({error}), write it again") from error
+
+
+def _batches(path: Path, file: Any, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
+    import pyarrow as pa
+
+    first = 0
+    try:
+        for batch in file.iter_batches(_CHUNK_ROWS, columns=list(names)):
+            if batch.num_rows:
+                yield {name: _arrow_numbers(path, first, batch, name) for name in names}
+            first += batch.num_rows
+    except (OSError, pa.ArrowException) as error:
+        raise InputError(f"{path}: not a whole Parquet file ({error}), write it again") from error
 
 
 def _arrow_numbers(path: Path, first: int, batch: Any, name: str) -> NDArray[Any]:

@@ -84,35 +84,67 @@ def mat_vector(path: Path, variable: str) -> tuple[float, float, float]:
     return x, y, z
 
 
+def mat_columns(path: Path) -> dict[str, NDArray[np.float64]]:
+    """The vectors of real numbers of a MAT file by their names, each (N,).
+
+    Raises:
+        InputError: scipy is absent, or the file is no MAT file or of version 7.3.
+    """
+    return {
+        name: value.astype(np.float64).ravel()
+        for name, value in _load(path, None).items()
+        if _is_matrix(value) and 1 in value.shape
+    }
+
+
 def _matrix(path: Path, variable: str | None) -> NDArray[np.float64]:
     """The variable as a matrix of floats."""
+    if variable is None:
+        raise InputError(f"{path}: give --variable, one of {', '.join(_load(path, None))}")
+    variables = _load(path, variable)
+    if variable not in variables:
+        raise InputError(
+            f"{path}: no variable {variable!r}, give --variable, one of"
+            f" {', '.join(_load(path, None))}"
+        )
+    value = variables[variable]
+    if not _is_matrix(value):
+        raise InputError(f"{path}: {variable} is not a matrix of real numbers, give another")
+    if not len(value):
+        raise InputError(f"{path}: {variable} has no rows, give samples")
+    matrix: NDArray[np.float64] = value.astype(np.float64)
+    return matrix
+
+
+def _is_matrix(value: Any) -> bool:
+    return isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind in "iuf"
+
+
+def _load(path: Path, variable: str | None) -> dict[str, Any]:
+    """A variable of the file, or all of them."""
     try:
-        from scipy.io import loadmat, whosmat
+        from scipy.io import loadmat
         from scipy.io.matlab import MatReadError
     except ImportError as error:
         raise InputError(
             f"{path}: reading MAT files needs scipy, run: pip install 'sculler[formats]'"
         ) from error
     try:
-        names = [name for name, _, _ in whosmat(path)]
-        if variable not in names:
-            chosen = "" if variable is None else f"no variable {variable!r}, "
-            raise InputError(f"{path}: {chosen}give --variable, one of {', '.join(names)}")
-        value: Any = loadmat(path, variable_names=[variable])[variable]
+        found = loadmat(path, variable_names=None if variable is None else [variable])
     except NotImplementedError as error:
         raise InputError(
             f"{path}: a MAT file of version 7.3, save it again with MATLAB's save -v7"
         ) from error
     except OSError as error:
+        if error.strerror is None:  # scipy's own
+            raise _not_whole(path, error) from error
         raise InputError(
             f"{path}: cannot read the log ({error.strerror}), check the path"
         ) from error
-    except InputError:
-        raise
     except (MatReadError, ValueError, TypeError, KeyError, struct.error, zlib.error) as error:
-        raise InputError(f"{path}: not a whole MAT file ({error}), write it again") from error
-    if not isinstance(value, np.ndarray) or value.ndim != 2 or value.dtype.kind not in "iuf":
-        raise InputError(f"{path}: {variable} is not a matrix of real numbers, give another")
-    if not len(value):
-        raise InputError(f"{path}: {variable} has no rows, give samples")
-    return value.astype(np.float64)
+        raise _not_whole(path, error) from error
+    return {name: value for name, value in found.items() if not name.startswith("__")}
+
+
+def _not_whole(path: Path, error: Exception) -> InputError:
+    return InputError(f"{path}: not a whole MAT file ({error}), write it again")

@@ -175,7 +175,9 @@ class Engine(wiring.Component):
             When.FAULT: present.fault,
             When.SHORT: present.short,
         }
-        return Cat(choices[value] & (when == value) for value in When).any()
+        if self.design.high_resolution:
+            choices |= {When.FIRST_MINOR: present.first_minor, When.MAJOR_END: present.major_end}
+        return Cat(choice & (when == value) for value, choice in choices.items()).any()
 
     def _accumulate(self, m: Module, word: data.View, left: Value, right: Value) -> Value:
         """Add or subtract the product; returns the accumulator's low digit, 16 or 18 bits of it.

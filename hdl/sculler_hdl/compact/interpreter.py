@@ -56,6 +56,8 @@ class Interpreter:
             When.NEXT_MAJOR: first_minor and major > 0,
             When.FAULT: bool(self.fault),
             When.SHORT: major < short_majors(design),
+            When.FIRST_MINOR: first_minor,
+            When.MAJOR_END: (self.t + 1) % length == 0,
         }
         self._run(self.program.phases.get(phase, ()), conditions)
         self.t += 1

@@ -21,9 +21,23 @@ from enum import Enum, IntEnum
 from functools import lru_cache, reduce
 
 from sculler_hdl.compact.pipeline import pipeline
+from sculler_hdl.compact.position import (
+    C_0,
+    C_1,
+    C_ALPHA,
+    D_1,
+    D_NU,
+    FIRST_WEIGHT,
+    LEFT_WEIGHTED,
+    S_WEIGHT,
+    WEIGHTS,
+    W,
+    Weight,
+    factor_ranges,
+)
 from sculler_model.design import Design
 from sculler_model.stream import WORD_BITS, words_per_column
-from sculler_model.vectors import AXES, COLUMNS, STATUS_FAULT, STATUS_SHORT_HISTORY
+from sculler_model.vectors import AXES, STATUS_FAULT, STATUS_SHORT_HISTORY
 from sculler_model.wordlength import ZERO, Interval
 
 DIGIT = Interval(0, (1 << WORD_BITS) - 1)
@@ -50,6 +64,8 @@ class When(IntEnum):
     NEXT_MAJOR = 3
     FAULT = 4
     SHORT = 5
+    FIRST_MINOR = 6
+    MAJOR_END = 7
 
     @property
     def meaning(self) -> str:
@@ -61,6 +77,8 @@ class When(IntEnum):
             "in the first minor interval of a later major interval",
             "if a sample of the major interval had fault",
             "if a tap or weight reached before the first sample",
+            "in the major interval's first minor interval",
+            "in the major interval's last sample",
         )[self]
 
 
@@ -189,9 +207,9 @@ def digit_count(bits: int) -> int:
     return max(1, 1 - (OPERAND.bits - bits) // WORD_BITS)
 
 
-def digit_ranges(number: Interval) -> list[Interval]:
-    """Range of each digit of a number, least significant first."""
-    count = digit_count(number.bits)
+def digit_ranges(number: Interval, least: int = 1) -> list[Interval]:
+    """Range of each digit of a number, least significant first, `least` digits or more."""
+    count = max(least, digit_count(number.bits))
     shift = WORD_BITS * (count - 1)
     return [DIGIT] * (count - 1) + [Interval(number.lo >> shift, number.hi >> shift)]
 
@@ -219,8 +237,9 @@ def short_majors(design: Design) -> int:
     """How many major intervals from reset have a tap or weight that reaches before sample 0.
 
     A phase that reaches far enough back in some interval does so in every earlier one.
+    High-resolution position reaches one sample back.
     """
-    table, count = design.table, 0
+    table, count = design.table, int(design.high_resolution)
     for t in range(table.history):
         k = t % table.samples + 1
         used = [d for d, c in enumerate(table.taps[k - 1], start=1) if c]
@@ -240,7 +259,7 @@ class _Compiler:
         self.left, self.right = Memory("left"), Memory("right")
         self.ranges: dict[Word | SampleWord, Interval] = {}
         # the results stand first, as they are streamed out
-        for column in COLUMNS:
+        for column in design.columns:
             for word in range(self.words_per_column):
                 self.left.place(f"{column}.{word}")
         self.constants: dict[int, Word] = {}
@@ -253,7 +272,27 @@ class _Compiler:
         self.B = self._vector("B", words.accel_taps, self.left)
         self.theta = self._vector("theta", words.theta, self.right)
         self.v = self._vector("v", words.v, self.right)
-        self.state = {column: self._state(column) for column in COLUMNS if column != "status"}
+        self.state = {c: self._state(c) for c in design.columns if c != "status"}
+        if design.high_resolution:
+            samples = design.samples_per_major
+            self.E = self._vector("E", words.gyro.scaled(FIRST_WEIGHT), self.left)
+            self.weight = {
+                weight: self._placed(
+                    weight.name,
+                    weight.range(samples),
+                    self.right if weight in LEFT_WEIGHTED else self.left,
+                )
+                for weight in WEIGHTS
+            }
+            self.factor = {
+                value: self._number(
+                    str(value), [self.right.place(str(value), value)], [Interval(value, value)]
+                )
+                for value in (S_WEIGHT, -S_WEIGHT)
+            }
+            c, d = factor_ranges(words.gyro, words.accel, samples)
+            self.C = self._factor("C", c, self.weight[C_ALPHA], self.state["alpha_x"])
+            self.D = self._factor("D", d, self.weight[D_NU], self.state["nu_x"])
 
     # where numbers stand
 
@@ -276,13 +315,20 @@ class _Compiler:
         places = [self._constant(digit) for digit in digits]
         return self._number(str(value), places, [Interval(digit, digit) for digit in digits])
 
+    def _placed(self, name: str, number: Interval, memory: Memory, least: int = 1) -> Number:
+        ranges = digit_ranges(number, least)
+        places = [memory.place(f"{name}.{i}") for i in range(len(ranges))]
+        return self._number(name, places, ranges)
+
+    def _factor(
+        self, name: str, components: Interval, weight: Number, number: Number
+    ) -> list[Number]:
+        """C or D, with the digits that weight * number, one of its terms, reaches."""
+        digits = len(weight.places) + len(number.places) - 1
+        return [self._placed(f"{name}_{axis}", components, self.left, digits) for axis in AXES]
+
     def _vector(self, name: str, components: Interval, memory: Memory) -> list[Number]:
-        ranges = digit_ranges(components)
-        names = [f"{name}_{axis}" for axis in AXES]
-        return [
-            self._number(name, [memory.place(f"{name}.{i}") for i in range(len(ranges))], ranges)
-            for name in names
-        ]
+        return [self._placed(f"{name}_{axis}", components, memory) for axis in AXES]
 
     def _state(self, column: str) -> Number:
         """An accumulated component, or the number of the major interval."""
@@ -295,7 +341,10 @@ class _Compiler:
         return self._number(column, places, ranges)
 
     def _first_word(self, column: str) -> int:
-        return COLUMNS.index(column) * self.words_per_column
+        return self.design.columns.index(column) * self.words_per_column
+
+    def _accumulator(self, vector: str) -> list[Number]:
+        return [self.state[f"{vector}_{axis}"] for axis in AXES]
 
     def _sample(self, sensor: str, axis: int, distance: int) -> Number:
         """A count of the sample `distance` samples back; s is the gyro, r the accelerometer."""
@@ -307,15 +356,19 @@ class _Compiler:
         places = [SampleWord(distance, start + i) for i in range(len(ranges))]
         return self._number(f"{sensor}_{AXES[axis]}[{back}]", places, ranges)
 
+    def _samples(self, sensor: str, distance: int) -> list[Number]:
+        return [self._sample(sensor, axis, distance) for axis in range(3)]
+
     # the algorithm
 
     def phase(self, k: int) -> list[Block]:
         """What a sample of phase k asks for, in the order of DESIGN section 3."""
         table, minors = self.design.table, self.design.algorithm.minors
         active = table.active_phases
-        s = [self._sample("s", axis, 0) for axis in range(3)]
-        r = [self._sample("r", axis, 0) for axis in range(3)]
+        s, r = self._samples("s", 0), self._samples("r", 0)
         blocks: list[Block] = []
+        if self.design.high_resolution:
+            blocks += self._position(k)
         if k in active:
             restart = When.CONTINUED if k == active[0] else When.ALWAYS
             row = list(enumerate(table.taps[k - 1], start=1))
@@ -327,18 +380,84 @@ class _Compiler:
             weights = list(enumerate(table.weights))
             blocks += self._weighted_sums(self.theta, "s", weights)
             blocks += self._weighted_sums(self.v, "r", weights)
-            alpha, nu = ([self.state[f"{v}_{axis}"] for axis in AXES] for v in ("alpha", "nu"))
+            alpha, nu = self._accumulator("alpha"), self._accumulator("nu")
             if minors > 1:
+                # all the same with theta and v in alpha and nu already: theta x v + v x theta = 0
                 between = [(alpha, self.theta)]
                 blocks += self._crosses("coning_between", When.CONTINUED, between, When.CONTINUED)
                 between = [(alpha, self.v), (nu, self.theta)]
                 blocks += self._crosses("sculling_between", When.CONTINUED, between, When.CONTINUED)
-            for sums, increments in ((alpha, self.theta), (nu, self.v)):
-                for total, increment in zip(sums, increments, strict=True):
-                    add = Term(self._coefficient(1), increment)
-                    blocks.append(self._accumulated(total, [add], When.CONTINUED))
+            if not self.design.high_resolution:
+                blocks += self._increments(alpha, self.theta, When.CONTINUED)
+                blocks += self._increments(nu, self.v, When.CONTINUED)
             blocks += [self._major(), self._status()]
         return blocks
+
+    def _position(self, k: int) -> Iterator[Block]:
+        """High-resolution position as `position` has it; alpha and nu take each sample at once."""
+        s, r, s_1, r_1 = (self._samples(sensor, d) for d in (0, 1) for sensor in "sr")
+        alpha, nu, s_alpha, s_nu = map(self._accumulator, ("alpha", "nu", "s_alpha", "s_nu"))
+        first, last = k == 1, k == self.design.algorithm.samples
+        running = When.CONTINUED if first else When.ALWAYS
+
+        def beginning(factor: int, sample: Number) -> list[Term]:
+            """What there is besides in the interval's first sample."""
+            return [Term(self._coefficient(factor), sample, when=When.FIRST_MINOR)] if first else []
+
+        for weight in self.weight:
+            yield self._count_down(weight, k)
+        for axis in range(3):
+            terms = [
+                Term(alpha[axis], self.weight[C_ALPHA], when=running),
+                Term(self.weight[C_1], s_1[axis]),
+                Term(self.weight[C_0], s[axis]),
+                Term(s_alpha[axis], self.factor[-S_WEIGHT], when=running),
+                *beginning(-S_WEIGHT, s_1[axis]),
+            ]
+            yield self._sum(self.C[axis], terms)
+        for axis in range(3):
+            terms = [
+                Term(nu[axis], self.weight[D_NU], when=running),
+                Term(self.weight[D_1], r_1[axis]),
+                Term(s_nu[axis], self.factor[S_WEIGHT], when=running),
+                *beginning(S_WEIGHT, r_1[axis]),
+            ]
+            yield self._sum(self.D[axis], terms)
+        products = [(self.C, r), (self.D, s)]
+        if first:
+            for axis in range(3):
+                yield self._sum(self.E[axis], beginning(FIRST_WEIGHT, s_1[axis]))
+            products.append((self.E, r_1))
+        for doubly, newest, before in ((s_alpha, s, s_1), (s_nu, r, r_1)):
+            for axis in range(3):
+                terms = [Term(self.weight[W], newest[axis]), *beginning(1, before[axis])]
+                yield self._accumulated(doubly[axis], terms, running, shown=last)
+        yield from self._increments(alpha, s, running, shown=last)
+        yield from self._increments(nu, r, running, shown=last)
+        yield from self._crosses("scrolling", running, products, shown=last)
+
+    def _count_down(self, weight: Weight, k: int) -> Block:
+        """A weight of high-resolution position, in the interval's first sample from its start."""
+        number = self.weight[weight]
+        running = When.CONTINUED if k == 1 else When.ALWAYS
+        before = Term(number, self.unity, when=running)
+        if weight in LEFT_WEIGHTED:
+            before = Term(self._coefficient(1), number, when=running)
+        terms = [before, Term(self._coefficient(-weight.step), self.unity, when=running)]
+        if k == 1:
+            start = self._coefficient(weight.at(self.design.samples_per_major - 1))
+            terms.append(Term(start, self.unity, when=When.FIRST_MINOR))
+        if k == self.design.algorithm.samples and weight.last:
+            terms.append(Term(self._coefficient(weight.last), self.unity, when=When.MAJOR_END))
+        return self._sum(number, terms)
+
+    def _increments(
+        self, sums: list[Number], increments: list[Number], restart: When, shown: bool = True
+    ) -> Iterator[Block]:
+        """sums += increments."""
+        for total, increment in zip(sums, increments, strict=True):
+            add = Term(self._coefficient(1), increment)
+            yield self._accumulated(total, [add], restart, shown)
 
     def _weighted_sums(
         self, sums: list[Number], sensor: str, coefficients: Iterable[tuple[int, int]]
@@ -346,17 +465,16 @@ class _Compiler:
         """A, B, theta or v: coefficients (distance, c) times samples."""
         terms = [(self._coefficient(c), d) for d, c in coefficients if c]
         for axis, total in enumerate(sums):
-            yield self._block(
-                total.name,
-                [Term(c, self._sample(sensor, axis, d)) for c, d in terms],
-                [
-                    Store(
-                        place.address, frozenset([place.memory]), signed=place is total.places[-1]
-                    )
-                    for place in total.places
-                    if isinstance(place, Word)
-                ],
-            )
+            yield self._sum(total, [Term(c, self._sample(sensor, axis, d)) for c, d in terms])
+
+    def _sum(self, total: Number, terms: list[Term]) -> Block:
+        """total = terms."""
+        stores = [
+            Store(place.address, frozenset([place.memory]), signed=place is total.places[-1])
+            for place in total.places
+            if isinstance(place, Word)
+        ]
+        return self._block(total.name, terms, stores)
 
     def _crosses(
         self,
@@ -364,6 +482,7 @@ class _Compiler:
         restart: When,
         products: Sequence[tuple[list[Number], list[Number]]],
         when: When = When.ALWAYS,
+        shown: bool = True,
     ) -> Iterator[Block]:
         """vector += sum of left x right, whose left is 0 unless `when`."""
         for axis, name in enumerate(AXES):
@@ -372,17 +491,22 @@ class _Compiler:
             for left, right in products:
                 terms.append(Term(left[y], right[z], when=when))
                 terms.append(Term(left[z], right[y], subtract=True, when=when))
-            yield self._accumulated(self.state[f"{vector}_{name}"], terms, restart)
+            yield self._accumulated(self.state[f"{vector}_{name}"], terms, restart, shown)
 
-    def _accumulated(self, state: Number, terms: list[Term], restart: When) -> Block:
-        """state += terms; as many words as a column of the result has."""
+    def _accumulated(
+        self, state: Number, terms: list[Term], restart: When, shown: bool = True
+    ) -> Block:
+        """state += terms; if it is `shown`, with as many words as a column of the result has."""
+        terms = [Term(state, self.unity, when=restart), *terms]
+        if not shown:
+            return self._sum(state, terms)
         first = self._first_word(state.name)
         stores = []
         for i in range(self.words_per_column):
             memories = {"left", "result"} if i < len(state.places) else {"result"}
             signed = i == len(state.places) - 1 and state.name != "major"
             stores.append(Store(first + i, frozenset(memories), signed))
-        return self._block(state.name, [Term(state, self.unity, when=restart), *terms], stores)
+        return self._block(state.name, terms, stores)
 
     def _major(self) -> Block:
         """The number of the major interval: one more in each but the first since reset."""
@@ -500,8 +624,11 @@ def program(design: Design) -> Program:
     compiler = _Compiler(design)
     idle = Instruction(compiler.zero, compiler.one, Base.CLEAR, text="wait")
     delay = pipeline(design).store
-    working = sorted({*design.table.active_phases, design.table.samples})
-    phases = {k: schedule(compiler.phase(k), delay, idle) for k in working}
+    phases = {
+        k: schedule(blocks, delay, idle)
+        for k in range(1, design.algorithm.samples + 1)
+        if (blocks := compiler.phase(k))
+    }
     ranges = [accumulator_range(phase, compiler.ranges) for phase in phases.values()]
     accumulator = reduce(Interval.__or__, ranges, OPERAND * OPERAND)
     accumulator += Interval(-(1 << WORD_BITS), 0)

@@ -189,7 +189,7 @@ class EvenPace:
         mean, terms = self._series
         s = self.gone + self.speed * t
         sigma = s / mean
-        for _ in range(5):  # each squares an error that begins below e² = 0.007
+        for _ in range(4):  # each squares an error that begins below e² = 0.007
             total, w, _ = self._length(sigma, mean, terms)
             sigma = sigma - (total - s) / w
         _, w, slope = self._length(sigma, mean, terms)
@@ -211,8 +211,10 @@ class EvenPace:
     def _length(sigma: Array, mean: float, terms: list[tuple[int, complex]]) -> Jet:
         """s(σ), ds/dσ = w and dw/dσ."""
         total, w, slope = mean * sigma, mean + 0 * sigma, 0 * sigma
-        for k, c in terms:
-            turn = np.exp(1j * k * sigma)
+        step = np.exp(2j * sigma)
+        turn = np.ones_like(step)
+        for k, c in terms:  # 2, 4, 6, ...
+            turn = turn * step
             total = total + 2 * np.real(c / (1j * k) * (turn - 1))
             w = w + 2 * np.real(c * turn)
             slope = slope + 2 * np.real(1j * k * c * turn)

@@ -33,6 +33,7 @@ from sculler_model.navigation.earth import (
     ECCENTRICITY_SQUARED,
     SEMI_MAJOR_AXIS,
     gravity,
+    gravity_lean,
     radii,
 )
 from sculler_model.navigation.rotation import Quaternion, Vector, conjugate, cross, product, rotate
@@ -111,9 +112,10 @@ class Motion(Sampled):
         twice = (2 * ie[0] + en[0], 2 * ie[1] + en[1], 2 * ie[2] + en[2])
         coriolis = cross(twice, path.velocity)
         change = path.acceleration
+        leaning = gravity_lean(path.sin_lat, path.h[0])
         force = (
-            change[0] + coriolis[0],
-            change[1] + coriolis[1],
+            change[0] + coriolis[0] - leaning * path.k[0],
+            change[1] + coriolis[1] - leaning * path.k[1],
             change[2] + coriolis[2] - gravity(path.sin_lat, path.h[0]),
         )
         rate = path.body_rate

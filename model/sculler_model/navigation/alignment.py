@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.earth import EARTH_RATE, gravity
+from sculler_model.navigation.earth import EARTH_RATE, gravity, gravity_lean
 from sculler_model.navigation.rotation import (
     Quaternion,
     Vector,
@@ -129,10 +129,11 @@ def align(increments: MajorIncrements, interval: float, lat: float, h: float) ->
     # specific force in the inertial frame that the body left, at the middle of every interval
     chain, end = _chain(increments)
     force = np.stack(rotate(chain, _columns(increments.dv_sf / interval)), axis=1)
-    # what it must be: straight up, in the inertial frame that north-east-down left at the start
+    # what it must be: against gravity, in the inertial frame that north-east-down left at the start
     times = (np.arange(count, dtype=np.float64) + 0.5) * interval
     swing = _earth_turn(lat, times)
-    up = np.stack(rotate(swing, _columns(np.tile([0.0, 0.0, -1.0], (count, 1)))), axis=1)
+    leaning = cos(lat) * gravity_lean(sin(lat), h) / g
+    up = np.stack(rotate(swing, _columns(np.tile([-leaning, 0.0, -1.0], (count, 1)))), axis=1)
     start = _wahba(force, up)
     back = from_rotation_vector((-true_horizontal * seconds, 0.0, EARTH_RATE * sin(lat) * seconds))
 
@@ -143,7 +144,8 @@ def align(increments: MajorIncrements, interval: float, lat: float, h: float) ->
     level = np.stack(rotate(to_level, _columns(force)), axis=1)
     specific_force = float(np.linalg.norm(level.mean(axis=0)))
     east_slope = _slope(level[:, 1], times)
-    down = -increments.dv_sf.mean(axis=0) / (specific_force * interval)
+    attitude = product(to_level, chain)
+    down = np.stack(rotate(conjugate(attitude), (0 * one, 0 * one, one)), axis=1).mean(axis=0)
     result = Alignment(
         q=product(back, product(start, end)),
         seconds=seconds,

@@ -39,7 +39,7 @@ def gravity(sin_lat: Real, height: Real) -> Real:
     """Normal (plumb-bob) gravity, down, m/s²; height above the ellipsoid in m.
 
     Somigliana's formula on the ellipsoid and its second-order expansion in height (NIMA
-    TR8350.2, Eq. 4-1 and 4-3); the small horizontal part above the ellipsoid is left out.
+    TR8350.2, Eq. 4-1 and 4-3).
     """
     square = sin_lat * sin_lat
     squash = 1 - ECCENTRICITY_SQUARED * square
@@ -47,6 +47,27 @@ def gravity(sin_lat: Real, height: Real) -> Real:
     ratio = height / SEMI_MAJOR_AXIS
     slope = 2 * (1 + FLATTENING + _CENTRIFUGAL_M - 2 * FLATTENING * square)
     value: Real = surface * (1 - ratio * (slope - 3 * ratio))
+    return value
+
+
+def gravity_lean(sin_lat: Real, height: Real) -> Real:
+    """Horizontal part of normal gravity over the horizontal part of the polar axis, m/s².
+
+    Plumb lines are bent: on the ellipsoid gravity is square to it, above it leans to the equator.
+    Times cos φ this is its part north, about -8.1e-9 h sin 2φ; times the polar axis in a level
+    frame, its parts along that frame's axes, without a singularity at the poles.  The potential is
+    W = W0 - ∫ g dh with the g of `gravity` and the same W0 everywhere on the ellipsoid, and this
+    is its ∂W/∂φ / (R_M + h) / cos φ, term by term.
+    """
+    square = sin_lat * sin_lat
+    squash = 1 - ECCENTRICITY_SQUARED * square
+    surface = GRAVITY_EQUATOR * (1 + _SOMIGLIANA_K * square) * squash**-0.5
+    growth = _SOMIGLIANA_K / (1 + _SOMIGLIANA_K * square) + 0.5 * ECCENTRICITY_SQUARED / squash
+    ratio = height / SEMI_MAJOR_AXIS
+    half_slope = 1 + FLATTENING + _CENTRIFUGAL_M - 2 * FLATTENING * square
+    tilt = growth * (1 - ratio * (half_slope - ratio)) + 2 * FLATTENING * ratio
+    meridian, _ = radii(sin_lat)
+    value: Real = -2 * sin_lat * surface * tilt * height / (meridian + height)
     return value
 
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.alignment import Alignment, align, attitudes_at_rest
-from sculler_model.navigation.earth import EARTH_RATE, gravity
+from sculler_model.navigation.earth import EARTH_RATE, gravity, gravity_lean
 from sculler_model.navigation.rotation import (
     Quaternion,
     Vector,
@@ -154,6 +154,7 @@ def align_finely(
     coarse = align(increments, interval, lat, h)
     q, end = attitudes_at_rest(increments, interval, lat, coarse)
     gained = np.stack(rotate(q, (*increments.dv_sf.T,)), axis=1)[:, :2]
+    gained[:, 0] += interval * cos(lat) * gravity_lean(sin(lat), h)
     per_step = max(1, round(STEP_SECONDS / interval))
     steps = len(gained) // per_step
     first = len(gained) - steps * per_step  # the odd ones go at the beginning

@@ -9,7 +9,7 @@ from math import cos, isfinite, pi, sin
 
 from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.earth import earth_rate, gravity, transport_rate
+from sculler_model.navigation.earth import earth_rate, gravity, gravity_lean, transport_rate
 from sculler_model.navigation.rotation import (
     Vector,
     cross,
@@ -82,7 +82,11 @@ class GeographicNavigator:
         dv = plus(plus(dv, once, -0.5), cross(zeta, once), 1 / 12)
         coriolis = cross((2 * ie_n + en_n, 2 * ie_e + en_e, 2 * ie_d + en_d), v_mid)
         north, east, down = plus(plus(old.v, dv, 1.0), coriolis, -T)
-        v: Vector = (north, east, down + T * gravity(sin_mid, h_mid))
+        v: Vector = (
+            north + T * cos_mid * gravity_lean(sin_mid, h_mid),
+            east,
+            down + T * gravity(sin_mid, h_mid),
+        )
 
         # position: trapezoid, the curvature taken at its middle
         v_mean: Vector = (0.5 * (old.v[0] + v[0]), 0.5 * (old.v[1] + v[1]), 0.5 * (old.v[2] + v[2]))
@@ -113,6 +117,8 @@ class GeographicNavigator:
 
     def run(self, increments: MajorIncrements) -> NavHistory:
         """Carry the state over consecutive major intervals; the states at their ends.
+
+        The position is by the trapezoid, whether or not ΔR_SF is there.
 
         Raises:
             InputError: the track has reached a pole.

@@ -176,7 +176,7 @@ class Navigator:
             dv_sf: ΔV_SF, integral of the specific force (m/s) in the body frame at the START of
                 the interval, held fixed in inertial space.
             dr_sf: ΔR_SF, the running integral of that over the interval (m), same frame: the
-                position is then of high resolution (see `high_resolution.displacement`).
+                position is then of high resolution (see `host.displacement`).
                 Without it the velocity is integrated by the trapezoid.
 
         Returns:
@@ -196,18 +196,12 @@ class Navigator:
             raise self._run_away(self.state.h)
         return self.state
 
-    def run(
-        self,
-        increments: MajorIncrements,
-        dr_sf: Array | None = None,
-        *,
-        compiled: bool | None = None,
-    ) -> NavHistory:
+    def run(self, increments: MajorIncrements, *, compiled: bool | None = None) -> NavHistory:
         """Carry the state over consecutive major intervals.
 
         Args:
-            increments: φ and ΔV_SF of R intervals, as for `update`.
-            dr_sf: (R, 3) ΔR_SF, as for `update`.
+            increments: φ, ΔV_SF and, for a position of high resolution, ΔR_SF of R intervals, as
+                for `update`.
             compiled: whether to go through Numba; if left out, where it is installed and there
                 are `WORTH_COMPILING` intervals up to now.
 
@@ -219,8 +213,8 @@ class Navigator:
                 `compiled` is asked for without Numba.
         """
         arrays = [increments.phi, increments.dv_sf]
-        if dr_sf is not None:
-            arrays.append(dr_sf)
+        if increments.dr_sf is not None:
+            arrays.append(increments.dr_sf)
         if not all(np.isfinite(array).all() for array in arrays):
             raise self._not_finite()
         if any(array.shape != (len(increments), 3) for array in arrays):
@@ -234,7 +228,7 @@ class Navigator:
             rows = zip(*(map(tuple, array.tolist()) for array in arrays), strict=True)
             return NavHistory.from_states([self.update(*row) for row in rows])
 
-        settings = self._plain if dr_sf is None else self._high_resolution
+        settings = self._high_resolution if len(arrays) > 2 else self._plain
         phi, dv, *more = (np.ascontiguousarray(array, np.float64) for array in arrays)
         dr = more[0] if more else np.zeros((0, 3))
         self._see_to_the_past(settings, *map(_first, (phi, dv, dr)))
@@ -291,7 +285,8 @@ def trajectory(
         InputError: an increment is not finite, or the mechanisation cannot follow the track.
     """
     for block in increments:
-        if not (np.isfinite(block.phi).all() and np.isfinite(block.dv_sf).all()):
+        arrays = (block.phi, block.dv_sf, block.dr_sf)
+        if not all(np.isfinite(array).all() for array in arrays if array is not None):
             raise InputError(
                 f"after {mechanisation.state.time:.3f} s: an increment is not finite, mend the"
                 " vectors"
@@ -310,7 +305,8 @@ def navigate(
     Args:
         initial: state at the start of the first interval.
         interval: length of a major interval, s.
-        increments: in body axes; one block or several in order.
+        increments: in body axes; one block or several in order.  With ΔR_SF in them a mechanisation
+            that can, `Navigator`, takes the position from it.
         mechanisation: what carries the state.
 
     Raises:

@@ -20,7 +20,13 @@ from __future__ import annotations
 from math import atan2, cos, hypot, pi, sin
 from typing import NamedTuple
 
-from sculler_model.navigation.earth import EARTH_RATE, ECCENTRICITY_SQUARED, gravity, radii
+from sculler_model.navigation.earth import (
+    EARTH_RATE,
+    ECCENTRICITY_SQUARED,
+    gravity,
+    gravity_lean,
+    radii,
+)
 from sculler_model.navigation.rotation import (
     Quaternion,
     Vector,
@@ -45,12 +51,12 @@ class Earth(NamedTuple):
         rate: ω_ie, rad/s (Savage-98 Eq. 2).
         curvature: xx, xy, yy of the ellipsoid's curvature at the height, 1/m: the transport rate
             is (xy v_x + yy v_y, -xx v_x - xy v_y, 0) (Savage-98 Eq. 3, F_C and ρ_z = 0).
-        gravity: plumb-bob gravity, down, m/s².
+        gravity: plumb-bob gravity, m/s².
     """
 
     rate: Vector
     curvature: Vector
-    gravity: float
+    gravity: Vector
 
 
 class Settings(NamedTuple):
@@ -150,17 +156,19 @@ def earth_at(place: Quaternion, h: float) -> Earth:
 
     The polar axis in w is (cos lat cos α, -cos lat sin α, -sin lat), the third row of C_ew.  The
     principal curvatures differ by κ cos² lat, so turned into w by α they are 1/(R_N + h) + κ P Pᵀ:
-    regular at the poles, where P has no horizontal part.
+    regular at the poles, where P has no horizontal part.  So is gravity's horizontal part, which
+    goes with cos lat as well.
     """
     polar = to_dcm(place)[2]
     px, py, pz = polar
     meridian, prime_vertical = radii(pz)
     across = 1 / (prime_vertical + h)
     kappa = ECCENTRICITY_SQUARED / (1 - ECCENTRICITY_SQUARED) * across * meridian / (meridian + h)
+    leaning = gravity_lean(-pz, h)
     return Earth(
         (EARTH_RATE * px, EARTH_RATE * py, EARTH_RATE * pz),
         (across + kappa * px * px, kappa * px * py, across + kappa * py * py),
-        gravity(pz, h),
+        (leaning * px, leaning * py, gravity(pz, h)),
     )
 
 
@@ -196,8 +204,17 @@ def between(a: Earth, b: Earth, part: float) -> Earth:
     return Earth(
         plus(a.rate, plus(b.rate, a.rate, -1.0), part),
         plus(a.curvature, plus(b.curvature, a.curvature, -1.0), part),
-        a.gravity + part * (b.gravity - a.gravity),
+        plus(a.gravity, plus(b.gravity, a.gravity, -1.0), part),
     )
+
+
+def turned_and_pulled(there: Earth, v: Vector, interval: float) -> tuple[Vector, Vector]:
+    """ζ (rad) and gravity with Coriolis (m/s) over an interval at velocity v (Eq. 7, 17)."""
+    T = interval
+    w_en = travelled(there.curvature, v)
+    x, y, z = plus(there.rate, w_en, 1.0)
+    pull_x, pull_y, pull_z = plus(there.gravity, cross(plus(w_en, there.rate, 2.0), v), -1.0)
+    return (T * x, T * y, T * z), (T * pull_x, T * pull_y, T * pull_z)
 
 
 def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vector) -> Level:
@@ -207,6 +224,11 @@ def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vect
     steady flight, then gives (I - ½ζ× + (ζ×)²/12) C_wb ΔV_SF: exact to ζ⁴/720, where Savage-98
     Eq. 13-14 with the whole of ζ (for intervals within one position update) leaves ½ζ.  Likewise
     its double integral gets -(ζ/6× - (ζ×)²/24) C_wb ΔV_SF T, the 1/3 of Eq. 79 for half of ζ.
+
+    With `high_resolution` more is known, so that vibration in step with the updates, whose velocity
+    at the interval ends stands off its mean, does no harm: Coriolis and transport rate are those of
+    the mean velocity, way over T, and -½ζ× ΔV_SF becomes -ζ× (ΔV_SF - ΔR_SF/T), which holds for any
+    course of the force.  The term in ζ² then is 1/6 for a force constant in w.
 
     Args:
         now: at the start of the interval.
@@ -224,36 +246,36 @@ def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vect
     # the middle of the interval, by extrapolation (Savage-98 Eq. 8, 9, 19)
     mid = between(now.earth, now.earth_past, -(now.since + 0.5) / j)
     v_mid = plus(now.v, plus(now.v, now.v_past, -1.0), 0.5)
-    w_ie, w_en = mid.rate, travelled(mid.curvature, v_mid)
-    zeta_x, zeta_y, zeta_z = plus(w_ie, w_en, 1.0)
-    zeta = (T * zeta_x, T * zeta_y, T * zeta_z)  # Eq. 17
-
-    # velocity (Savage-98 Eq. 4-7, 11, 13)
+    zeta, dv_g_cor = turned_and_pulled(mid, v_mid, T)
     dv = rotate(now.q, dv_sf)
     once = cross(zeta, dv)
     twice = cross(zeta, once)
-    coriolis_x, coriolis_y, coriolis_z = cross(plus(w_en, w_ie, 2.0), v_mid)
-    dv_g_cor = (-T * coriolis_x, -T * coriolis_y, T * (mid.gravity - coriolis_z))
     k1, k2, k3, reference = settings.damping
     too_high = now.h + now.climb - reference
     offset = now.offset + T * k3 * too_high
     damped = (0.0, 0.0, T * (k2 * too_high + offset))
-    dv_sf_w = plus(plus(dv, once, -0.5), twice, 1 / 12)
-    v = plus(plus(plus(now.v, dv_sf_w, 1.0), dv_g_cor, 1.0), damped, 1.0)
 
-    # position: way over the interval (Savage-98 Eq. 75 or 83), and what it turns w by (Eq. 71-73)
+    # velocity (Savage-98 Eq. 4-7, 11, 13) and way over the interval (Eq. 75 or 83)
+    way = NOT_YET
     if settings.high_resolution:
+        dr = rotate(now.q, dr_sf)
         half = plus(plus(now.v, dv_g_cor, 0.5), damped, 0.5)
-        turned = plus(plus(half, once, -1 / 6), twice, 1 / 24)
-        way = plus(rotate(now.q, dr_sf), turned, T)
+        way = plus(dr, plus(plus(half, once, -1 / 6), twice, 1 / 24), T)
+        zeta, dv_g_cor = turned_and_pulled(mid, (way[0] / T, way[1] / T, way[2] / T), T)
+        dv_sf_w = plus(plus(dv, cross(zeta, plus(dv, dr, -1 / T)), -1.0), twice, 1 / 6)
     else:
+        dv_sf_w = plus(plus(dv, once, -0.5), twice, 1 / 12)
+    v = plus(plus(plus(now.v, dv_sf_w, 1.0), dv_g_cor, 1.0), damped, 1.0)
+    if not settings.high_resolution:
         way = plus((0.5 * T * v[0], 0.5 * T * v[1], 0.5 * T * v[2]), now.v, 0.5 * T)
+
+    # position: what the way turns w by (Eq. 71-73)
     xi = travelled(mid.curvature, way)
     travel = plus(now.travel, xi, 1.0)
     climb = now.climb - way[2] - T * k1 * too_high
 
     # attitude: q_wb(new) = q(-ζ) q_wb(old) q(φ), with the ζ of the way gone (Savage-20 Eq. 1)
-    turn_x, turn_y, turn_z = plus(xi, w_ie, T)
+    turn_x, turn_y, turn_z = plus(xi, mid.rate, T)
     back = from_rotation_vector((-turn_x, -turn_y, -turn_z))
     q = normalised(product(back, product(now.q, from_rotation_vector(phi))))
 

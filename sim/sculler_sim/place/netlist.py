@@ -24,7 +24,7 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
 from sculler_model.stream import WORD_BITS, from_words
-from sculler_model.vectors import AXES, COLUMNS, VECTORS
+from sculler_model.vectors import AXES
 from sculler_sim.place.devices import Family
 from sculler_sim.place.tools import YOSYS
 from sculler_sim.testbench import packed_hex
@@ -59,7 +59,7 @@ def simulate_netlist(
         faults: (N,) fault marks; none if left out.
 
     Returns:
-        A row of `COLUMNS` for each complete major interval.
+        A row of the design's columns for each complete major interval.
 
     Raises:
         InputError: no simulator is installed, or the family has no models.
@@ -114,7 +114,7 @@ def check_netlist(
     expected = run_fast(design, counts, faults).rows()
     found = simulate_netlist(design, generated, netlist, family, counts, faults)
     for golden, shown in zip(expected, found, strict=True):
-        for column, right, wrong in zip(COLUMNS, golden, shown, strict=True):
+        for column, right, wrong in zip(design.columns, golden, shown, strict=True):
             if right != wrong:
                 return f"result {golden[0]}, {column}: {wrong}, the golden model has {right}"
     return None
@@ -146,7 +146,11 @@ def _sample_ports(design: Design) -> list[tuple[str, int]]:
 def _result_ports(design: Design) -> list[tuple[str, int]]:
     if design.hardware.handover == "stream":
         return [("result_data", WORD_BITS), ("result_last", 1)]
-    components = [(f"result_{v}_{a}", getattr(design.words, v).bits) for v in VECTORS for a in AXES]
+    components = [
+        (f"result_{vector}_{axis}", getattr(design.words, vector).bits)
+        for vector in design.vectors
+        for axis in AXES
+    ]
     return [("result_major", PORT_MAJOR_BITS), ("result_status", 2), *components]
 
 

@@ -1,0 +1,87 @@
+"""High-resolution position in hardware: the golden model's vectors, the cycle model's clocks.
+
+The compact core's Verilog in Verilator, on all targets; worst cases of scrolling among the inputs.
+"""
+
+import numpy as np
+import pytest
+
+from position_designs import HIGH_RESOLUTION, furthest
+from rtl import check_trace, clocks_of_major, golden, samples_of
+from sculler_sim.engine import simulate
+from sculler_sim.stimulus import Stimulus
+from strategies import TARGETS, with_hardware
+
+pytestmark = pytest.mark.usefixtures("verilator")
+
+SIMULATED = "smallest_hr savage_hr stim300_hr wide_hr taylor_2p1_hr dense_hr".split()
+EACH = pytest.mark.parametrize("name", SIMULATED)
+
+
+def check_rows(design, counts, stimulus):
+    """The core's results are the golden model's."""
+    faults = np.zeros(len(counts), int)
+    run = simulate(design, [(counts, faults)], engine="verilator", stimulus=stimulus)
+    rows = [row for block in run for row in block.rows()]
+    assert rows == list(golden(design, counts, faults).rows())
+    assert all(len(row) == len(design.columns) == 29 for row in rows)
+
+
+@EACH
+def test_verilator_gives_the_golden_vectors(name):
+    """With and without stalls, full-scale counts among the samples."""
+    design = HIGH_RESOLUTION[name]
+    counts, _ = samples_of(design, 5 * design.samples_per_major, seed=11)
+    for stimulus in (Stimulus.always(), Stimulus.stalls(5, 2 * clocks_of_major(design))):
+        check_rows(design, counts, stimulus)
+
+
+@EACH
+def test_verilator_shows_on_every_clock_what_the_cycle_model_says(name):
+    """Under stalls of both sides and resets in mid-interval."""
+    design = HIGH_RESOLUTION[name]
+    check_trace(design, "verilator", max(12_000, 5 * clocks_of_major(design)), seeds=range(2))
+
+
+@EACH
+def test_near_the_extremes_of_scrolling(name):
+    """All axes, both ends, one after another, so that history runs from one to the next."""
+    design = HIGH_RESOLUTION[name]
+    logs = [furthest(design, axis, sign) for axis in range(3) for sign in (1, -1)]
+    check_rows(design, np.concatenate(logs), Stimulus.always())
+
+
+@EACH
+def test_resets_and_stalls(name):
+    """Resets come while samples load, while the engine computes and while words wait."""
+    design = HIGH_RESOLUTION[name]
+    counts, _ = samples_of(design, 6 * design.samples_per_major + 20, seed=8)
+    major = clocks_of_major(design)
+    resets = np.random.default_rng(2).integers(0, 4 * major, 5).tolist()
+    stimulus = Stimulus.stalls(2, major).with_resets(3, 40, 41, *resets)
+    faults = np.zeros(len(counts), int)
+    model, verilator = (
+        [
+            row
+            for block in simulate(design, [(counts, faults)], engine=engine, stimulus=stimulus)
+            for row in block.rows()
+        ]
+        for engine in ("model", "verilator")
+    )
+    assert model == verilator
+    assert model
+
+
+@pytest.mark.parametrize("name", ["smallest_hr", "savage_hr", "taylor_2p1_hr"])
+def test_without_a_multiplier(name):
+    design = with_hardware(HIGH_RESOLUTION[name], core="compact", multipliers=0)
+    check_rows(design, furthest(design, 1, -1), Stimulus.always())
+    check_trace(design, "verilator", 2 * clocks_of_major(design), seeds=[4])
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_every_target(target):
+    """Blocks of the vendor in place of what is inferred, by their models."""
+    design = with_hardware(HIGH_RESOLUTION["taylor_2p1_hr"], core="compact", target=target)
+    check_rows(design, furthest(design, 2, 1), Stimulus.stalls(1, clocks_of_major(design)))
+    check_trace(design, "verilator", 4 * clocks_of_major(design), seeds=range(2))
