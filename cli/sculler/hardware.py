@@ -344,12 +344,11 @@ def _introduction(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
         "**How.** Yosys and nextpnr as PyPI has them ("
         + ", ".join(f"{name} {version}" for name, version in sorted(tools.items()))
         + f"), the median of {len(SEEDS)} seeds with the slowest and fastest beside it; the timing"
-        " model of the device is nextpnr's, not its maker's. The core"
-        " sits in a shift register: every input comes from a register and every output goes to"
-        " one, as in a user's design, and neither pins nor wide ports limit the figure. (nextpnr's"
-        " `--out-of-context` would leave the clock on ordinary wires, and there is none for"
-        " iCE40.) Its area is not counted: that is the core's own, packed without it, with its"
-        " result buffers.",
+        " model of the device is nextpnr's, not its maker's. Neither pins nor wide ports limit the"
+        " figure: in an ECP5 the core is placed alone (`--out-of-context`); in an iCE40, where"
+        " nextpnr has no such thing, it sits in a shift register, in which every input comes from"
+        " a register and every output goes to one. The shift register's area is not counted: the"
+        " area is the core's own, packed alone, with its result buffers.",
         WIDTH,
     )
     yield ""

@@ -6,6 +6,8 @@
     sample ─▶ register                                                          ├─▶ HandOver
                   └▶ A, B (WeightedSum) ─ s, r delayed ─▶ CrossArray "within"  ─┘
 
+theta and v are a WeightedSum each, or a RunningSum if all samples weigh the same.
+
 The clock in which a sample is taken is clock 0 for all that follows from it.  Numbers travel as
 skewed words (`parts.words`): the low bits of a sum are worked on first, the high bits in the
 clocks after.  Each part says at which clock it takes and gives what; the flags of a sample travel
@@ -28,11 +30,11 @@ from amaranth.lib import wiring
 from sculler_hdl.parts.accumulate import Accumulation, Accumulator
 from sculler_hdl.parts.cross import SHARINGS, CrossArray, Crossing, Operand, Sharing
 from sculler_hdl.parts.handover import HandOver, StreamHandOver, complete_clock
-from sculler_hdl.parts.layout import vector
 from sculler_hdl.parts.multiply import FRINGES
+from sculler_hdl.parts.running_sum import Running, RunningSum
 from sculler_hdl.parts.sequencer import Sequencer
 from sculler_hdl.parts.weighted_sum import Rows, WeightedSum, Weighting
-from sculler_hdl.parts.words import Arrival, FlagLine, Word, at_once, last_clock, later
+from sculler_hdl.parts.words import Arrival, FlagLine, Limbs, Word, at_once, last_clock, later
 from sculler_hdl.ports import port_members
 from sculler_hdl.target import TARGETS
 from sculler_model.coefficients import TapTable
@@ -72,6 +74,7 @@ class Plan:
         spacing: clocks per sample.
         within, between: how the arrays are shared; None where there is no between array (M = 1).
         fringe: most low bits of an operand that are multiplied without a block.
+        carry_clocks: that a carry has from one limb of a sum to the next.
         tiles: multiplier blocks.
         units: product units, of one or several blocks each.
         latency: clocks from an interval's last sample to its result.
@@ -81,6 +84,7 @@ class Plan:
     within: Sharing
     between: Sharing | None
     fringe: int
+    carry_clocks: int
     tiles: int
     units: int
     latency: int
@@ -91,29 +95,34 @@ def plan(design: Design) -> Plan:
     """Choose the sharing, and the fewest clocks per sample that the multipliers allow.
 
     Of the ways that keep the samples' pace, those within `LATENCY_GOAL` are preferred, of them the
-    ones that do little without multiplier blocks, of them the ones with fewest blocks.
+    ones that do little without multiplier blocks, of them the ones with fewest blocks, of them
+    those whose result is there before the next interval's last sample comes, which then need not
+    wait, of them the one that gives carries most time.
 
     Raises:
         InputError: `hardware.multipliers` are too few for any sharing.
     """
     table, budget = design.table, design.hardware.multipliers
-    ways: dict[tuple[Sharing, Sharing | None, int], Plan] = {}
+    ways: dict[tuple[Sharing, Sharing | None, int, int], Plan] = {}
     for spacing in range(1, SHARINGS[-1].steps + 1):
         pace = launch_gap(table) * spacing, table.samples * spacing
         betweens = SHARINGS if design.algorithm.minors > 1 else [None]
-        for way in product(SHARINGS, betweens, FRINGES):
-            within, between, _ = way
+        for way in product(SHARINGS, betweens, FRINGES, (1, 2)):
+            within, between, *_ = way
             slow = within.steps > pace[0] or (between and between.steps > pace[1])
             if not slow and way not in ways:
                 ways[way] = Stages(design, *way).plan(spacing)
         found = [made for made in ways.values() if budget is None or made.tiles <= budget]
         if found:
+            next_end = design.samples_per_major * spacing
             return min(
                 (replace(made, spacing=spacing) for made in found),
                 key=lambda made: (
                     max(made.latency, LATENCY_GOAL),
                     made.fringe,
                     made.tiles,
+                    max(made.latency, next_end - 1),
+                    -made.carry_clocks,
                     made.latency,
                 ),
             )
@@ -141,19 +150,26 @@ class Stages:
         design: the design.
         within, between: sharing of the arrays.
         fringe: most low bits of an operand that are multiplied without a block.
+        carry_clocks: that a carry has from one limb of a sum to the next.
 
     Attributes:
         arrivals: for each vector of the result, when the bits of its components are there.
     """
 
     def __init__(
-        self, design: Design, within: Sharing, between: Sharing | None, fringe: int
+        self,
+        design: Design,
+        within: Sharing,
+        between: Sharing | None,
+        fringe: int,
+        carry_clocks: int,
     ) -> None:
         words, table, n = design.words, design.table, design.algorithm.samples
         target = TARGETS[design.hardware.target]
-        limb = target.carry_bits
+        limb = Limbs(target.carry_bits, carry_clocks)
         self.sharing = (within, between)
         self.fringe = fringe
+        self.carry_clocks = carry_clocks
 
         taps, weights = tap_rows(table), weight_rows(table)
         self.gyro_taps, self.accel_taps = (
@@ -161,22 +177,22 @@ class Stages:
             for counts, result in ((words.gyro, words.gyro_taps), (words.accel, words.accel_taps))
         )
         self.theta, self.v = (
-            Weighting(counts, weights, result, n, limb)
+            Running(counts, result, limb)
+            if weights[n - 1] == [(d, 1) for d in range(n)]
+            else Weighting(counts, weights, result, n, limb)
             for counts, result in ((words.gyro, words.theta), (words.accel, words.v))
         )
+        minor_arrivals = [later(part.arrival, Sequencer.latency) for part in (self.theta, self.v)]
 
         # alpha and nu before the last minor interval's, which is all the between products see
         self.integrals = {}
         before: dict[str, Interval] = {}
-        for name, part, total in (
-            ("alpha", self.theta, words.alpha),
-            ("nu", self.v, words.nu),
+        for name, item, arrival, total in (
+            ("alpha", words.theta, minor_arrivals[0], words.alpha),
+            ("nu", words.v, minor_arrivals[1], words.nu),
         ):
-            before[name] = part.result.repeated(design.algorithm.minors - 1)
-            arrival = later(part.arrival, Sequencer.latency)
-            self.integrals[name] = Accumulation(
-                part.result, arrival, total, limb, before[name], gap=n
-            )
+            before[name] = item.repeated(design.algorithm.minors - 1)
+            self.integrals[name] = Accumulation(item, arrival, total, limb, before[name], gap=n)
 
         # the arrays, launched when the first limbs of their operands are there
         def operands(*items: tuple[Interval, Arrival]) -> tuple[int, list[Operand]]:
@@ -209,8 +225,8 @@ class Stages:
             self.launches["between"], (alpha, nu, theta, v) = operands(
                 (before["alpha"], self.integrals["alpha"].before_arrival),
                 (before["nu"], self.integrals["nu"].before_arrival),
-                (words.theta, later(self.theta.arrival, Sequencer.latency)),
-                (words.v, later(self.v.arrival, Sequencer.latency)),
+                (words.theta, minor_arrivals[0]),
+                (words.v, minor_arrivals[1]),
             )
             self.arrays["between"] = Crossing(
                 (alpha, nu),
@@ -239,6 +255,7 @@ class Stages:
             within=within,
             between=between,
             fringe=self.fringe,
+            carry_clocks=self.carry_clocks,
             tiles=sum(array.tiles for array in self.arrays.values()),
             units=sum(sharing.units for sharing in self.sharing if sharing is not None),
             latency=complete_clock(self.arrivals) + HandOver.latency,
@@ -276,7 +293,8 @@ class PipelinedCore(wiring.Component):
         self.design = design
         self.primitive = primitive
         self.plan = plan(design)
-        self.stages = Stages(design, self.plan.within, self.plan.between, self.plan.fringe)
+        made = self.plan
+        self.stages = Stages(design, made.within, made.between, made.fringe, made.carry_clocks)
         self.sequencer = Sequencer(design, self.plan.spacing)
         self.handover: HandOver | StreamHandOver
         arrivals, status_clock = self.stages.arrivals, Sequencer.latency + 1
@@ -308,35 +326,48 @@ class PipelinedCore(wiring.Component):
             for name in ("taken", "launch", "minor_end", "major_end")
         }
 
-        samples = {}
+        samples: dict[str, list[Word]] = {}
         for sensor in ("gyro", "accel"):
-            shape = vector(getattr(words, sensor))
-            samples[sensor] = Signal(shape, name=f"{sensor}_sample", reset_less=True)
-            for i, axis in enumerate(AXES):
-                m.d.sync += samples[sensor][i].eq(getattr(self, f"sample_{sensor}_{axis}"))
+            bits = getattr(words, sensor).bits
+            samples[sensor] = []
+            for axis in AXES:
+                name = f"{sensor}_{axis}"
+                register = Signal(bits, name=f"{name}_sample", reset_less=True)
+                m.d.sync += register.eq(getattr(self, f"sample_{name}"))
+                samples[sensor].append(Word(m, name, register, at_once(bits, now)))
 
-        def summed(name: str, weighting: Weighting, sensor: str) -> list[Value]:
+        def delayed(sensor: str, clock: int) -> list[Value]:
+            return [word.window(0, len(word.value), clock) for word in samples[sensor]]
+
+        def weighted(name: str, weighting: Weighting, sensor: str, clock: int) -> list[Value]:
             m.submodules[name] = part = WeightedSum(weighting)
+            phase = Word(m, f"{name}_phase", sequencer.phase, at_once(len(sequencer.phase), now))
             m.d.comb += [
-                part.step.eq(flags["taken"].at(now)),
-                part.phase.eq(sequencer.phase),
-                part.samples.eq(samples[sensor]),
+                part.step.eq(flags["taken"].at(clock)),
+                part.phase.eq(phase.window(0, len(phase.value), clock)),
             ]
+            for i, sample in enumerate(delayed(sensor, clock)):
+                m.d.comb += part.samples[i].eq(sample)
             return [Value.cast(part.output[i]) for i in range(3)]
 
-        def delayed(sensor: str) -> list[Value]:
-            bits = getattr(words, sensor).bits
-            return [
-                Word(m, f"{sensor}_{axis}", samples[sensor][i], at_once(bits, now)).window(
-                    0, bits, stages.sample_clock
-                )
-                for i, axis in enumerate(AXES)
-            ]
+        def of_minor(name: str, plan: Weighting | Running, sensor: str) -> list[Value]:
+            if isinstance(plan, Weighting):
+                return weighted(name, plan, sensor, now)
+            outputs: list[Value] = []
+            for axis, sample in zip(AXES, delayed(sensor, now), strict=True):
+                m.submodules[f"{name}_{axis}"] = part = RunningSum(plan)
+                m.d.comb += [
+                    part.step.eq(flags["taken"].at(now)),
+                    part.last.eq(flags["minor_end"].at(now)),
+                    part.sample.eq(sample),
+                ]
+                outputs.append(part.output)
+            return outputs
 
-        A = summed("gyro_taps", stages.gyro_taps, "gyro")
-        B = summed("accel_taps", stages.accel_taps, "accel")
-        theta = summed("theta", stages.theta, "gyro")
-        v = summed("v", stages.v, "accel")
+        A = weighted("gyro_taps", stages.gyro_taps, "gyro", now)
+        B = weighted("accel_taps", stages.accel_taps, "accel", now)
+        theta = of_minor("theta", stages.theta, "gyro")
+        v = of_minor("v", stages.v, "accel")
         before: dict[str, list[Value]] = {}
         for name, items in (("alpha", theta), ("nu", v)):
             before[name] = []
@@ -351,7 +382,12 @@ class PipelinedCore(wiring.Component):
                 before[name].append(part.before)
 
         operands = {
-            "within": (A, B, delayed("gyro"), delayed("accel")),
+            "within": (
+                A,
+                B,
+                delayed("gyro", stages.sample_clock),
+                delayed("accel", stages.sample_clock),
+            ),
             "between": (before["alpha"], before["nu"], theta, v),
         }
         starts = {"within": flags["launch"], "between": flags["minor_end"]}

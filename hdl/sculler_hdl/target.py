@@ -26,7 +26,7 @@ TARGETS = {
     for target in (
         Target("generic", (18, 18), 64),
         Target("ecp5", (18, 18), 20),
-        Target("ice40", (16, 16), 16),
+        Target("ice40", (16, 16), 20),
         Target("xilinx", (25, 18), 24),
     )
 }

@@ -67,10 +67,10 @@ def command(
 ) -> int:
     """Place and route the core of DESIGN with Yosys and nextpnr.
 
-    The core sits in a shift register that stands for the pins, so that wide ports do not limit the
-    figure; its area is not counted.  Paths inside multiplier and memory blocks, which nextpnr does
-    not check, are checked here: the clock rate is the smaller of both.  Needs the extra
-    sculler[place].
+    Wide ports do not limit the figure: in an ECP5 the core is placed alone, out of context, in an
+    iCE40 in a shift register that stands for the pins and is not counted.  Paths inside multiplier
+    and memory blocks, which nextpnr does not check, are checked here: the clock rate is the smaller
+    of both.  Needs the extra sculler[place].
     """
     from sculler_model.errors import InputError
     from sculler_sim.place.devices import find_device

@@ -7,6 +7,7 @@ from amaranth.lib.wiring import In, Out
 from sculler_hdl.parts.words import (
     Arrival,
     FlagLine,
+    Limbs,
     Word,
     add,
     first_limb_clock,
@@ -23,7 +24,7 @@ class Accumulation:
         item: range of one addend.
         arrival: when the bits of `input` are there.
         total: worst-case range of a sum; wide enough for every partial sum (wordlength.py).
-        limb: bits of a limb.
+        limb: how sums are cut.
         before: range of a sum before its last item, if narrower.
         gap: clocks from one step to the next, at least.
         sums: 1 or 3.
@@ -40,7 +41,7 @@ class Accumulation:
         item: Interval,
         arrival: Arrival,
         total: Interval,
-        limb: int,
+        limb: Limbs,
         before: Interval | None = None,
         sums: int = 1,
         gap: int = 1,
@@ -75,8 +76,8 @@ class Accumulator(wiring.Component):
     Members:
         step, last, carry: at `plan.clock`.  `carry`, if there are `signs`, is added to the sum.
         input: as it arrives.
-        before: the present sum as the step finds it; limb q at `plan.clock` + q.
-        newest: the sum that the step made; limb q from `plan.clock` + q + 1 to the next step.
+        before: the present sum as the step finds it, as `plan.before_arrival` says.
+        newest: the sum that the step made, from `plan.arrival` to the next step.
 
     Latency: 1 clock and one for each limb.
 
@@ -116,7 +117,7 @@ class Accumulator(wiring.Component):
                     m.d.sync += register.eq(present)
                 present = register
             if plan.sums == 1 and plan.gap > 1:  # there is time for a register before the adder
-                register = Signal(hi - lo, name=f"waiting_{q}")
+                register = Signal(hi - lo, name=f"waiting_{q}", reset_less=True)
                 m.d.sync += register.eq(present)
                 present = register
             before.append(present)

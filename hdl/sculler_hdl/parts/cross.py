@@ -16,6 +16,7 @@ from sculler_hdl.parts.multiply import Product
 from sculler_hdl.parts.words import (
     Arrival,
     FlagLine,
+    Limbs,
     Sum,
     Word,
     last_clock,
@@ -90,7 +91,7 @@ class Crossing:
         totals: ranges of the totals' components, coning and sculling.
         sharing: how the units are shared.
         target: whose multiplier blocks.
-        limb: bits of a limb.
+        limb: how sums are cut.
         fringe: most low bits of an operand that may go to rows of AND gates.
 
     Attributes:
@@ -106,7 +107,7 @@ class Crossing:
         totals: tuple[Interval, Interval],
         sharing: Sharing,
         target: Target,
-        limb: int,
+        limb: Limbs,
         fringe: int,
     ) -> None:
         self.operands = dict(zip(OPERANDS, (*lefts, *rights), strict=True))

@@ -47,16 +47,15 @@ class _Collector:
 class HandOver(wiring.Component):
     """Shows a result while the next interval runs.
 
-    The bits of a result are taken one after another as they come by, and shown together when the
-    last ones are there.  The sequencer sees to it that no bit of the next result comes while a
-    result waits.  Everything shown is 0 after reset.
+    The bits of a result are taken one after another as they come by; with the last ones the result
+    is valid.  The sequencer sees to it that no bit of the next result comes while a result waits.
 
     Members:
         major_end (clock `clock`): the result of a major interval is on its way.
         status (clock `clock`): its status.
         input: the bits of its components, as `arrivals` says.
         ready, valid, taken: the host's handshake; `taken` in the clock it takes the result.
-        shown_major, shown_status, output: what the host sees; changes only when `valid` rises.
+        shown_major, shown_status, output: what the host sees; nothing of use while `valid` is low.
 
     Latency 1 from the last bits to `valid`.
 
@@ -91,34 +90,18 @@ class HandOver(wiring.Component):
         m = Module()
         collector = _Collector(m, self.major_end, self.clock, self.arrivals)
         show = collector.line.at(self.complete)
-
-        def collected(pulse: Value, bits: Value, name: str) -> Value:
-            register = Signal(len(bits), name=f"collected_{name}", reset_less=True)
-            with m.If(pulse):
-                m.d.sync += register.eq(bits)
-            return register
-
-        components: dict[tuple[str, int], list[Value]] = {}
-        for name, axis, lo, clock, pulse, bits in collector.pieces(self.input):
-            if clock < self.complete:
-                bits = collected(pulse, bits, f"{name}_{AXES[axis]}_{lo}")
-            components.setdefault((name, axis), []).append(bits)
-        status = self.status
-        if self.clock < self.complete:
-            status = collected(self.major_end, status, "status")
-
         m.d.comb += self.taken.eq(self.valid & self.ready)
         with m.If(self.taken):
             m.d.sync += self.valid.eq(0)
-        major = _counter(m, show, PORT_MAJOR_BITS)
         with m.If(show):
-            m.d.sync += [
-                self.valid.eq(1),
-                self.shown_status.eq(status),
-                self.shown_major.eq(major),
-            ]
-            for (name, axis), pieces in components.items():
-                m.d.sync += self.output[name][axis].eq(Cat(*pieces))
+            m.d.sync += self.valid.eq(1)
+
+        major = _counter(m, self.major_end, PORT_MAJOR_BITS)
+        with m.If(self.major_end):
+            m.d.sync += [self.shown_major.eq(major), self.shown_status.eq(self.status)]
+        for name, axis, lo, _, pulse, bits in collector.pieces(self.input):
+            with m.If(pulse):
+                m.d.sync += self.output[name][axis][lo : lo + len(bits)].eq(bits)
         return m
 
 
@@ -229,13 +212,13 @@ class StreamHandOver(wiring.Component):
 
 
 def _counter(m: Module, step: Value, bits: int) -> Value:
-    """A counter of `step`s, which have to be more clocks apart than it has limbs of 16 bits."""
-    limbs = [Signal(min(16, bits - lo), name=f"major_{lo}") for lo in range(0, bits, 16)]
+    """A counter of `step`s, which have to be more clocks apart than it has limbs, plus one."""
+    limbs = [Signal(min(8, bits - lo), name=f"major_{lo}") for lo in range(0, bits, 8)]
     for i, limb in enumerate(limbs):
         with m.If(step):
             m.d.sync += limb.eq(limb + 1)
         if i + 1 < len(limbs):
-            carry = Signal(name=f"major_carry{i}")
-            m.d.sync += carry.eq(step & limb.all())
+            full, carry = Signal(name=f"major_full{i}"), Signal(name=f"major_carry{i}")
+            m.d.sync += [full.eq(limb.all()), carry.eq(step & full)]
             step = carry
     return Cat(*limbs)

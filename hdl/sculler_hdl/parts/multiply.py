@@ -12,8 +12,8 @@ from sculler_hdl.parts.words import Addend, Arrival, Word, at_once, last_clock, 
 from sculler_hdl.target import Target
 from sculler_model.wordlength import ZERO, Interval
 
-FRINGES = (4, 8)
-"""Most low bits of an operand that rows of AND gates multiply, to save blocks: little and much."""
+FRINGES = (2, 4, 8)
+"""Most low bits of an operand that rows of AND gates multiply, to save blocks: from few to many."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Product:
 
     The product is the sum of `addends`, one for each block and then one for each row.
 
-    A block's product is there 3 clocks after its operands, a row 1 clock.  One product a clock.
+    A block's product is there 4 clocks after its operands, a row 1 clock.  One product a clock.
 
     Attributes:
         target: whose multiplier blocks.
@@ -111,7 +111,7 @@ class Product:
         for a in left.pieces:
             for b in right.pieces:
                 span = _piece(self.left, *a) * _piece(self.right, *b)
-                clock = self._tile_clock(a, b) + Tile.latency
+                clock = self._tile_clock(a, b) + Tile.latency + 1
                 found.append(Addend(span, at_once(span.bits, clock), a[0] + b[0]))
         for bit in range(left.fringe):
             arrival = self._row_arrival(self.left_arrival, bit, self.right_arrival, 0)
@@ -150,7 +150,10 @@ class Product:
                 tile = Tile(self.target, len(first), len(second), bits, primitive=primitive)
                 m.submodules[f"{name}_tile{i}{j}"] = tile
                 m.d.comb += [tile.left.eq(first), tile.right.eq(second)]
-                values.append(tile.output)
+                # the block may stand far from the adder: the way there has a clock of its own
+                behind = Signal.like(tile.output, name=f"{name}_block{i}{j}", reset_less=True)
+                m.d.sync += behind.eq(tile.output)
+                values.append(behind)
         for word, other, low, fringe in (
             (left, right, 0, left_cut.fringe),
             (right, left, left_cut.fringe, right_cut.fringe),

@@ -1,6 +1,6 @@
 """Sequencing: which sample is which, and when the next one may come."""
 
-from amaranth import C, Module, Mux, Signal
+from amaranth import Module, Mux, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -75,41 +75,40 @@ class Sequencer(wiring.Component):
         accept = Signal()
         m.d.comb += accept.eq(self.sample_valid & self.sample_ready)
 
-        # the place of the next sample, and what the place after it will be
+        # the place of the next sample, and of the one after it; what they are stands in registers
         phase, minor = Signal(range(n)), Signal(range(minors))
         first = Signal(init=1)  # of its major interval
-        ends_minor = Signal(init=n == 1)
-        in_last_minor = Signal(init=minors == 1)
-        ends_major = Signal()
-        then_ends_minor, then_in_last_minor = Signal(), Signal()
-        m.d.comb += [
-            ends_major.eq(ends_minor & in_last_minor),
-            then_ends_minor.eq(C(1) if n == 1 else phase == n - 2),
-            then_in_last_minor.eq(
-                C(1) if minors == 1 else Mux(ends_minor, minor == minors - 2, in_last_minor)
-            ),
-        ]
+        ends_minor, then_ends_minor = Signal(init=n == 1), Signal(init=n <= 2)
+        launches = [k in self.design.table.active_phases or k == n for k in range(1, n + 1)]
+        launch = Signal(init=launches[0])
+        last = n * minors - 1  # number of a major interval's last sample, from 0
+        before = (last - 2) % (last + 1)  # and of the one two before it
+        ends_major, then_ends_major = Signal(init=last == 0), Signal(init=last <= 1)
         with m.If(accept):
             m.d.sync += [
                 phase.eq(Mux(ends_minor, 0, (phase + 1)[: len(phase)])),
                 first.eq(ends_major),
                 ends_minor.eq(then_ends_minor),
-                in_last_minor.eq(then_in_last_minor),
+                ends_major.eq(then_ends_major),
+                launch.eq(is_one_of(phase, [k for k in range(n) if launches[(k + 1) % n]])),
+                # two samples on
+                then_ends_minor.eq(phase == (n - 3) % n),
+                then_ends_major.eq((phase == before % n) & (minor == before // n)),
             ]
             with m.If(ends_minor):
-                m.d.sync += minor.eq(Mux(in_last_minor, 0, (minor + 1)[: len(minor)]))
+                m.d.sync += minor.eq(Mux(ends_major, 0, (minor + 1)[: len(minor)]))
 
-        # whether it may come
+        # whether it may come: the last one not before the last result has been taken
         awaited = Signal()  # a major interval has ended and its result is not yet taken
-        still_awaited, then_ends_major = Signal(), Signal()
-        m.d.comb += [
-            still_awaited.eq((accept & ends_major) | (awaited & ~self.result_taken)),
-            then_ends_major.eq(Mux(accept, then_ends_minor & then_in_last_minor, ends_major)),
-        ]
-        m.d.sync += [
-            awaited.eq(still_awaited),
-            self.sample_ready.eq(~(then_ends_major & still_awaited)),
-        ]
+        not_taken = awaited & ~self.result_taken
+        m.d.sync += awaited.eq((accept & ends_major) | not_taken)
+        if last == 0:
+            m.d.sync += self.sample_ready.eq(~(accept | not_taken))
+        else:  # while an end is awaited `ends_major` keeps samples back
+            to_end = ends_major | (self.sample_valid & then_ends_major)
+            if self.spacing > 1:
+                to_end = ends_major | (accept & then_ends_major)
+            m.d.sync += self.sample_ready.eq(~(not_taken & to_end))
         if self.spacing > 1:
             wait = Signal(range(self.spacing - 1))
             with m.If(accept):
@@ -125,10 +124,9 @@ class Sequencer(wiring.Component):
             is_short = is_one_of(age, [t for t, value in enumerate(short) if value])
             m.d.sync += self.short.eq(is_short)
 
-        launches = [k - 1 for k in self.design.table.active_phases]
         m.d.sync += [
             self.taken.eq(accept),
-            self.launch.eq(accept & (is_one_of(phase, launches) | ends_minor)),
+            self.launch.eq(accept & launch),
             self.minor_end.eq(accept & ends_minor),
             self.major_end.eq(accept & ends_major),
             self.phase.eq(phase),

@@ -13,6 +13,7 @@ from sculler_hdl.parts.words import (
     Addend,
     Arrival,
     FlagLine,
+    Limbs,
     Sum,
     Word,
     add,
@@ -74,7 +75,7 @@ class Weighting:
         rows: the coefficients.  In phases left out the output means nothing.
         result: range of the sum.
         phase_count: n.
-        limb: bits of a limb.
+        limb: how sums are cut.
 
     Attributes:
         arrival: clocks from a sample's `step` at which the bits of its sum are there.
@@ -82,7 +83,7 @@ class Weighting:
     """
 
     def __init__(
-        self, counts: Interval, rows: Rows, result: Interval, phase_count: int, limb: int
+        self, counts: Interval, rows: Rows, result: Interval, phase_count: int, limb: Limbs
     ) -> None:
         self.counts = counts
         self.rows = dict(rows)

@@ -1,9 +1,9 @@
 """Skewed words: integers whose bits do not all arrive at the same clock.
 
-A long addition is cut into limbs of at most `limb` bits: limb 0 takes bits 0..limb-1 of the sum
-and so on.  Limb q of every sum is worked on q clocks after limb 0, with the carry between them in a
-register; so a whole tree of additions, however deep, costs one clock per further limb once, not at
-every level.  Bits that are there early wait in registers.
+A long addition is cut into limbs (`Limbs`): limb 0 takes the lowest bits of the sum and so on.
+Every limb is worked on a clock or two after the one below it, with the carry between them in
+registers; so a whole tree of additions, however deep, costs these clocks per further limb once, not
+at every level.  Bits that are there early wait in registers.
 
     clock      0        1        2
     limb 0   a0+b0 ─▶ ab0+cd0
@@ -14,10 +14,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from amaranth import C, Cat, Module, Signal, Value
 
 from sculler_model.wordlength import Interval
+
+
+class Limbs(NamedTuple):
+    """How long additions are cut.
+
+    Attributes:
+        bits: of a limb, at most.
+        clocks: from one limb to the next; with 2 the carry has a clock for its way alone.
+    """
+
+    bits: int
+    clocks: int = 1
+
 
 Arrival = tuple[tuple[int, int], ...]
 """(width, clock) of consecutive bits, lowest first: when the bits of a word are there."""
@@ -52,15 +66,20 @@ def last_clock(arrival: Arrival, lo: int = 0, hi: int | None = None) -> int:
     )
 
 
-def first_limb_clock(arrival: Arrival, limb: int, low: int = 0) -> int:
+def first_limb_clock(arrival: Arrival, limb: Limbs, low: int = 0) -> int:
     """The earliest clock at which limb 0 may be worked on, so that no later limb has to wait."""
-    return max(clock - first // limb for first, _, clock in spans(arrival, low))
+    return max(clock - _delay(limb, first) for first, _, clock in spans(arrival, low))
 
 
-def limbs(bits: int, limb: int) -> Iterator[tuple[int, int, int]]:
-    """(number, first bit, end bit) of each limb of a word."""
-    for number, lo in enumerate(range(0, bits, limb)):
-        yield number, lo, min(bits, lo + limb)
+def limbs(bits: int, limb: Limbs) -> Iterator[tuple[int, int, int]]:
+    """(clocks after limb 0, first bit, end bit) of each limb of a word."""
+    for lo in range(0, bits, limb.bits):
+        yield _delay(limb, lo), lo, min(bits, lo + limb.bits)
+
+
+def _delay(limb: Limbs, bit: int) -> int:
+    """Clocks after limb 0 at which the limb that a bit is in is worked on."""
+    return bit // limb.bits * limb.clocks
 
 
 class Word:
@@ -127,23 +146,26 @@ def add(
     name: str,
     top: int,
     clock: int,
-    limb: int,
+    limb: Limbs,
     *,
     subtract: bool = False,
     carry: Value | None = None,
     step: Callable[[int], Value] | None = None,
 ) -> Word:
-    """left + right or left - right, modulo 2^top, in registers: limb q at `clock` + q + 1.
+    """left + right or left - right, modulo 2^top, in registers.
+
+    The limb that is worked on q clocks after limb 0 is there at `clock` + q + 1.
 
     Args:
-        left, right: the operands; limb q of both is there at `clock` + q.
+        left, right: the operands; bits that are worked on q clocks later are there at `clock` + q.
         name: for the registers.
         top: end bit of the result; its lowest, where limb 0 starts, is the lower of the operands'.
         clock: at which limb 0 is added.
-        limb: bits of a limb.
+        limb: how the sum is cut.
         subtract: the difference instead.
         carry: added at the lowest bit where the operands meet.
-        step: limb q is taken only where step(q) is 1, else kept; it starts from 0 and is reset.
+        step: the limb of q clocks later is taken only where step(q) is 1, else kept; it starts from
+            0 and is reset.
             Without it a sum is taken at every clock.
     """
     m = left.m
@@ -178,6 +200,9 @@ def add(
                 m.d.sync += piece.eq(Cat(*bits))
         pieces.append(piece[: hi - lo])
         carry = piece[-1] if more else None
+        for _ in range(1, limb.clocks if more else 1):
+            before, carry = carry, Signal(name=f"{name}_{q}_carry", reset_less=True)
+            m.d.sync += carry.eq(before)
         arrival.append((hi - lo, now + 1))
     return Word(m, name, Cat(*pieces), tuple(arrival), low)
 
@@ -216,13 +241,13 @@ class Sum:
     Args:
         addends: the terms.
         result: range of the sum.
-        limb: bits of a limb.
+        limb: how sums are cut.
 
     Attributes:
         arrival: when the bits of the sum are there; a single positive term is the sum itself.
     """
 
-    def __init__(self, addends: Sequence[Addend], result: Interval, limb: int) -> None:
+    def __init__(self, addends: Sequence[Addend], result: Interval, limb: Limbs) -> None:
         self.addends = list(addends)
         self.result = result
         self.limb = limb
@@ -273,7 +298,7 @@ class Sum:
         """The arrival of all bits of the result: zeros below and signs above are added."""
         pieces = list(addend.arrival)
         if addend.low:
-            pieces.insert(0, (addend.low, pieces[0][1] - addend.low // self.limb))
+            pieces.insert(0, (addend.low, pieces[0][1] - _delay(self.limb, addend.low)))
         missing = self.result.bits - sum(bits for bits, _ in pieces)
         while missing < 0:  # a single term may be wider than the result
             bits, clock = pieces.pop()

@@ -49,7 +49,7 @@ class Device:
 
 def _ecp5(size: int, **fewer: int) -> Device:
     options = (f"--{size}k", "--package", "CABGA381")
-    return Device(f"LFE5U-{size}F", "ecp5", options, (6, 7, 8), goal=400, fewer=fewer)
+    return Device(f"LFE5U-{size}F", "ecp5", options, (6, 7, 8), goal=290, fewer=fewer)
 
 
 _ALL = [

@@ -1,10 +1,11 @@
 """A shift register around the core, so that its many ports need no pins.
 
-A core has hundreds of port bits and shares a device with the user's logic: pins on every port would
-not fit, and their distance would be measured instead of the core.  So each input comes from a
-register and each output goes to one, as in a user's design.  The input registers are one long shift
-register; the output registers are folded into another, so that nothing can be optimised away.  All
-of it has the core's clock, and its area is not counted: the core's own is measured without it.
+Where nextpnr cannot place a core alone (iCE40), this is how it gets in: a core has hundreds of port
+bits, pins on every one would not fit, and their distance would be measured instead of the core.  So
+each input comes from a register and each output goes to one, as in a user's design.  The input
+registers are one long shift register; the output registers are folded into another, so that nothing
+can be optimised away.  All of it has the core's clock, and its area is not counted: the core's own
+is measured without it.
 """
 
 from __future__ import annotations

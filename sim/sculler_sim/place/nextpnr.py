@@ -68,7 +68,7 @@ class Routed:
     Attributes:
         mhz: clock rate of the slowest path it checks.
         path: that path.
-        usage: everything placed, the harness included.
+        usage: everything placed, a harness included.
     """
 
     mhz: float
@@ -90,15 +90,19 @@ def pack(device: Device, speed: int | None, netlist: str) -> Usage:
     }
 
 
+_HARD = ("--placer-heap-critexp", "4", "--placer-heap-timingweight", "30")
+"""Tells the placer to care less for short wires and more for the slowest paths."""
+
+
 def _alone(device: Device) -> tuple[str, ...]:
-    """A core packed alone has more ports than the device pins."""
+    """What lets a core alone have more ports than the device has pins; for iCE40 there is none."""
     return ("--out-of-context",) if device.family == "ecp5" else ()
 
 
 def route(
     device: Device, speed: int | None, netlist: str, seed: int, register: Callable[[str], str]
 ) -> Routed:
-    """Place and route the core in its harness.
+    """Place and route the core, alone (ECP5) or in its harness.
 
     Args:
         device, speed: where.
@@ -111,7 +115,7 @@ def route(
         ToolError: it fails.
     """
     options = ("--freq", str(device.goal), "--seed", str(seed), "--timing-allow-fail")
-    report, log = _run(device, speed, netlist, *options)
+    report, log = _run(device, speed, netlist, *options, *_alone(device), *_HARD)
     try:
         ((_, clock),) = report["fmax"].items()
     except ValueError as error:

@@ -21,14 +21,15 @@ from sculler_sim import cache
 from sculler_sim.files import replacing
 from sculler_sim.place import nextpnr
 from sculler_sim.place.blocks import Limit, limits
-from sculler_sim.place.devices import FAMILY_NAMES, Device
+from sculler_sim.place.devices import DEVICES, FAMILY_NAMES, Device, Family
 from sculler_sim.place.nextpnr import Routed, Usage, WorstPath
 from sculler_sim.place.synthesis import Names, Synthesis, synthesise
 from sculler_sim.place.tools import NEXTPNR, YOSYS
 
-HOW = {
-    True: "placed and routed in a shift register that stands for the pins and is not counted",
-    False: "estimated by synthesis alone, no clock rate",
+HOW: dict[Family, str] = {
+    "ecp5": "placed and routed alone, out of context: no pins",
+    "ice40": "placed and routed in a shift register that stands for the pins and is not counted",
+    "xilinx": "estimated by synthesis alone, no clock rate",
 }
 
 _KINDS: dict[str, dict[str, str]] = {
@@ -135,7 +136,7 @@ class Placement:
     @property
     def how(self) -> str:
         """How it was found."""
-        return HOW[bool(self.seeds)]
+        return HOW[DEVICES[self.device.partition(" ")[0]].family]
 
     def limited_by(self) -> str:
         """What sets the median clock rate, in a sentence."""
@@ -240,9 +241,9 @@ class Placer:
         """
 
         def run() -> dict[str, Any]:
-            placed = self.synthesis.placed
-            register = Names(placed).register
-            return asdict(nextpnr.route(self.device, self.speed, placed, seed, register))
+            made = self.synthesis
+            register = Names(made.top, made.placed).register
+            return asdict(nextpnr.route(self.device, self.speed, made.placed, seed, register))
 
         found = self._kept(f"seed {seed}", run)
         return Routed(found["mhz"], WorstPath(**found["path"]), _as_usage(found["usage"]))

@@ -29,6 +29,9 @@ read_verilog core.v
 {synthesis} -top {core}
 write_verilog -noattr netlist.v
 write_json core.json
+"""
+
+_HARNESS_SCRIPT = """
 design -stash synthesised
 read_verilog harness.v
 {synthesis} -top {top}
@@ -37,13 +40,6 @@ design -copy-from synthesised {core}
 hierarchy -check -top {top}
 flatten
 write_json placed.json
-"""
-
-_AREA_SCRIPT = """
-read_verilog core.v
-{synthesis} -top {core}
-write_verilog -noattr netlist.v
-write_json core.json
 """
 
 _WRONG = re.compile(r"^Warning: (Driver-driver conflict .*|.* is used but has no driver.*)$", re.M)
@@ -73,13 +69,15 @@ class Synthesis:
         name: of the core's module.
         netlist: the core as Verilog of the device's cells.
         core: the same for nextpnr (JSON).
-        placed: the core in the harness, flattened, for nextpnr (JSON); "" if only for its area.
+        top, placed: module and netlist (JSON) that nextpnr places: the core, or the core in the
+            harness, flattened.
         log: what Yosys said.
     """
 
     name: str
     netlist: str
     core: str
+    top: str
     placed: str
     log: str
 
@@ -108,7 +106,7 @@ def cells_of(netlist: Mapping[str, Any], module: str) -> dict[str, Cell]:
 
 
 def synthesise(generated: Generated, family: Family) -> Synthesis:
-    """Synthesise a core; for a family that is placed, also the core in its harness.
+    """Synthesise a core; for a family of which nextpnr places no core alone, also in its harness.
 
     The core is synthesised by itself and put into the harness afterwards, so that the netlist is
     the same with and without it.
@@ -118,8 +116,8 @@ def synthesise(generated: Generated, family: Family) -> Synthesis:
         ToolError: Yosys fails, or makes something else of the design.
     """
     name = generated.manifest["name"]
-    placed = family != "xilinx"
-    script = _SCRIPT if placed else _AREA_SCRIPT
+    harnessed = family == "ice40"
+    script = _SCRIPT + (_HARNESS_SCRIPT if harnessed else "")
     with tempfile.TemporaryDirectory(prefix="sculler-") as folder:
         work = Path(folder)
         (work / "core.v").write_text(generated.verilog, encoding="utf-8")
@@ -132,17 +130,17 @@ def synthesise(generated: Generated, family: Family) -> Synthesis:
         wrong = _WRONG.search(log)
         if status or wrong:
             raise ToolError(YOSYS, log if status or wrong is None else wrong[1])
-        return Synthesis(
-            name,
-            (work / "netlist.v").read_text(encoding="utf-8"),
-            (work / "core.json").read_text(encoding="utf-8"),
-            (work / "placed.json").read_text(encoding="utf-8") if placed else "",
-            log,
+        netlist, core = (
+            (work / file).read_text(encoding="utf-8") for file in ("netlist.v", "core.json")
         )
+        if harnessed:
+            placed = (work / "placed.json").read_text(encoding="utf-8")
+            return Synthesis(name, netlist, core, TOP, placed, log)
+        return Synthesis(name, netlist, core, name, core, log)
 
 
 class Names:
-    """Cells and nets of the placed netlist in the words of the design.
+    """Cells and nets of the placed netlist (`Synthesis.top`, `.placed`) in the words of the design.
 
     Yosys names what it makes after what it made it from; a register's own name is that of its
     output.
@@ -154,9 +152,10 @@ class Names:
     )
     _REGISTERS = re.compile(r"TRELLIS_FF|SB_DFF")
 
-    def __init__(self, placed: str) -> None:
-        module = json.loads(placed)["modules"][TOP]
-        self._cells = cells_of({"modules": {TOP: module}}, TOP)
+    def __init__(self, top: str, placed: str) -> None:
+        module = json.loads(placed)["modules"][top]
+        self._cells = cells_of({"modules": {top: module}}, top)
+        self._core = f"{CORE}." if top == TOP else ""
         self._nets: dict[int | str, str] = {}
         for name, net in module["netnames"].items():
             for index, bit in enumerate(net["bits"]):
@@ -173,7 +172,7 @@ class Names:
         return (
             "$" in name,
             bool(self._MADE.search(name)),
-            not name.startswith(f"{CORE}."),
+            not name.startswith(self._core),
             len(name),
             name,
         )
@@ -201,7 +200,7 @@ class Names:
                 return self._own(self._nets.get(bits[0], name))
         return f"{self._own(name)} ({found.type})"
 
-    @staticmethod
-    def _own(name: str) -> str:
-        inside, core, rest = name.partition(f"{CORE}.")
-        return rest if core and not inside else f"harness.{name}"
+    def _own(self, name: str) -> str:
+        if name.startswith(self._core):
+            return name.removeprefix(self._core)
+        return f"harness.{name}"
