@@ -207,13 +207,6 @@ def points() -> list[Point]:
             "iCE40HX8K",
         ),
         Point(
-            "fast-24-28-8",
-            "24-bit, pipelined, 28 multipliers",
-            variant(24, "fast_24_28", **fast, multipliers=28),
-            "LFE5U-25F",
-            8,
-        ),
-        Point(
             "compact-ecp5-8",
             "24-bit, compact",
             variant(24, "compact_ecp5", **small, target="ecp5"),
@@ -235,7 +228,7 @@ def points() -> list[Point]:
     ]
 
 
-BUDGETS = (None, 28, 16, 12, 8, 6, 4)
+BUDGETS = (None, 28, 16, 8, 4)
 """Multipliers of the pipelined core in the picture of the design space."""
 
 

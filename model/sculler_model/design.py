@@ -91,7 +91,8 @@ class Algorithm(Part):
     """The high-rate algorithm.  Field order matters: later ones are checked against earlier.
 
     position: "high-resolution" adds the vectors s_alpha, s_nu and scrolling (`scrolling`), from
-        which the host has the way over each major interval; "trapezoidal" has none of them.
+        which the host has the way over each major interval; "trapezoidal", which is the default,
+        has none of them.
     """
 
     samples: Annotated[
@@ -133,9 +134,9 @@ class Algorithm(Part):
         int | None, Field(ge=1, le=48, description="a whole number from 1 to 48")
     ] = None
     position: Annotated[
-        Literal["trapezoidal", "high-resolution"],
+        Literal["trapezoidal", "high-resolution"] | None,
         Field(description='"trapezoidal" or "high-resolution"'),
-    ] = "trapezoidal"
+    ] = None
 
     @field_validator("history")
     @classmethod
@@ -174,6 +175,11 @@ class Algorithm(Part):
         if table is not None and samples is not None:
             _user_table(table, samples)
         return table
+
+    @field_validator("position")
+    @classmethod
+    def _the_usual_is_left_unsaid(cls, value: str | None) -> str | None:
+        return None if value == "trapezoidal" else value
 
     @field_validator("filter", mode="before")
     @classmethod

@@ -59,7 +59,7 @@ def asked(tools: None, monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, ...]]
         calls.append((design.name, device.name, speed, list(seeds)))
         return FOUND
 
-    made = Synthesis("little", "module little; endmodule\n", "", "", "what Yosys said\n")
+    made = Synthesis("little", "module little; endmodule\n", "", "little", "", "what Yosys said\n")
     monkeypatch.setattr(placement, "place", place)
     monkeypatch.setattr(placement, "synthesise", lambda *_: made)
     return calls
@@ -74,7 +74,7 @@ def test_the_report_has_rate_area_path_and_throughput(
     text = " ".join(outcome.out.split())
     for part in (
         "LFE5U-25F -7",
-        "in a shift register that stands for the pins and is not counted",
+        "placed and routed alone, out of context: no pins",
         "222.2 MHz (median of 210.0, 250.5, 222.2)",
         "from gyro[3] through 2 LUTs and 9 carry steps to sum[7]",
         "12 MULT18X18D, input register to pipeline register: 390.0 MHz",

@@ -21,3 +21,8 @@ def verilator():
         )
 
     return run
+
+
+@pytest.fixture(autouse=True)
+def _rare_collection(rare_collection):
+    """Cores are elaborated here."""

@@ -251,7 +251,7 @@ def test_what_does_not_fit_is_named_with_its_resource(tools, monkeypatch, tmp_pa
     monkeypatch.setenv("SCULLER_CACHE", str(tmp_path))
     usage = {"TRELLIS_COMB": (100, 24288), "TRELLIS_FF": (9, 24288), "MULT18X18D": (48, 28)}
     monkeypatch.setattr(nextpnr, "pack", lambda *_: usage)
-    made = synthesis.Synthesis("s", "", '{"modules": {"s": {"cells": {}}}}', "", "")
+    made = synthesis.Synthesis("s", "", '{"modules": {"s": {"cells": {}}}}', "s", "", "")
     monkeypatch.setattr(placement, "synthesise", lambda *_: made)
     message = "LFE5U-25F: s does not fit, multipliers: 48 needed, 28 available"
     with pytest.raises(InputError, match=message):
@@ -267,8 +267,8 @@ def test_a_ceiling_below_the_wires_rate_is_the_rate(tools, monkeypatch, tmp_path
     parameters = {"REG_INPUTA_CLK": "CLK0", "REG_OUTPUT_CLK": "CLK0"}
     cell = {"type": "MULT18X18D", "parameters": parameters, "connections": {}}
     core = json.dumps({"modules": {"s": {"cells": {"m": cell}}}})
-    empty = json.dumps({"modules": {TOP: {"cells": {}, "netnames": {}}}})
-    made = synthesis.Synthesis("s", "", core, empty, "")
+    empty = json.dumps({"modules": {"s": {"cells": {}, "netnames": {}}}})
+    made = synthesis.Synthesis("s", "", core, "s", empty, "")
     monkeypatch.setattr(placement, "synthesise", lambda *_: made)
     found = place(small("s", core="compact"), ECP5, 6)
     assert round(found.fmax_mhz) == 292

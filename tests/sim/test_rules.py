@@ -148,7 +148,9 @@ def test_cpp_drives_by_the_rules(use_verilog, stimulus):
         )
         for row in seen.result.tolist()
     ]
-    assert shown == expected
+    # what the stub echoes is on the result ports, and masked where they mean nothing
+    nothing = (0,) * len(expected[0])
+    assert shown == [row if valid(clock) else nothing for clock, row in enumerate(expected)]
 
 
 @pytest.mark.parametrize("chunk", [1, 7, 60])
