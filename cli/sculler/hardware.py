@@ -228,7 +228,7 @@ def points() -> list[Point]:
     ]
 
 
-BUDGETS = (None, 28, 16, 8, 4)
+BUDGETS = (None, 8, 4)
 """Multipliers of the pipelined core in the picture of the design space."""
 
 
