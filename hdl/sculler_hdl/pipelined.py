@@ -16,6 +16,9 @@ beside it (`FlagLine`) and are looked at at those clocks.
 Both arrays are shared: the within array takes its operands at phases with a tap row, the between
 array at the ends of minor intervals, and until the next launch they have time for several steps
 (`Sharing`).  `plan` chooses the steps, and the clocks per sample if multipliers are scarce.
+
+High-resolution position is a part beside all this (`parts.position`), with an array of its own that
+works at every sample.
 """
 
 from __future__ import annotations
@@ -31,6 +34,7 @@ from sculler_hdl.parts.accumulate import Accumulation, Accumulator
 from sculler_hdl.parts.cross import SHARINGS, CrossArray, Crossing, Operand, Sharing
 from sculler_hdl.parts.handover import HandOver, StreamHandOver, complete_clock
 from sculler_hdl.parts.multiply import FRINGES
+from sculler_hdl.parts.position import Position, Positioning
 from sculler_hdl.parts.running_sum import Running, RunningSum
 from sculler_hdl.parts.sequencer import Sequencer
 from sculler_hdl.parts.weighted_sum import Rows, WeightedSum, Weighting
@@ -42,11 +46,20 @@ from sculler_model.cycles import Timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.stream import words_per_column
-from sculler_model.vectors import AXES, VECTORS
+from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS
 from sculler_model.wordlength import Interval
 
+POSITION_CLOCK = Sequencer.latency + 1
+"""At which high-resolution position takes a sample in: a clock after the others, so that fewer read
+it at once."""
 LATENCY_GOAL = 24
 """Clocks from an interval's last sample to its result that sharing is not to pass."""
+POSITION_LATENCY_GOAL = 32
+"""The same with high-resolution position, whose operands stand behind more additions."""
+
+# the ways that `plan` compares have many of these in common
+_crossing = lru_cache(maxsize=256)(Crossing)
+_positioning = lru_cache(maxsize=64)(Positioning)
 
 
 def tap_rows(table: TapTable) -> Rows:
@@ -72,7 +85,8 @@ class Plan:
 
     Attributes:
         spacing: clocks per sample.
-        within, between: how the arrays are shared; None where there is no between array (M = 1).
+        within, between, position: how the arrays are shared; None where there is no between array
+            (M = 1), no high-resolution position.
         fringe: most low bits of an operand that are multiplied without a block.
         carry_clocks: that a carry has from one limb of a sum to the next.
         tiles: multiplier blocks.
@@ -83,6 +97,7 @@ class Plan:
     spacing: int
     within: Sharing
     between: Sharing | None
+    position: Sharing | None
     fringe: int
     carry_clocks: int
     tiles: int
@@ -94,8 +109,8 @@ class Plan:
 def plan(design: Design) -> Plan:
     """Choose the sharing, and the fewest clocks per sample that the multipliers allow.
 
-    Of the ways that keep the samples' pace, those within `LATENCY_GOAL` are preferred, of them the
-    ones that do little without multiplier blocks, of them the ones with fewest blocks, of them
+    Of the ways that keep the samples' pace, those within the latency goal are preferred, of them
+    the ones that do little without multiplier blocks, of them the ones with fewest blocks, of them
     those whose result is there before the next interval's last sample comes, which then need not
     wait, of them the one that gives carries most time.
 
@@ -103,11 +118,15 @@ def plan(design: Design) -> Plan:
         InputError: `hardware.multipliers` are too few for any sharing.
     """
     table, budget = design.table, design.hardware.multipliers
-    ways: dict[tuple[Sharing, Sharing | None, int, int], Plan] = {}
+    goal = POSITION_LATENCY_GOAL if design.high_resolution else LATENCY_GOAL
+    ways: dict[tuple[Sharing, Sharing | None, Sharing | None, int, int], Plan] = {}
     for spacing in range(1, SHARINGS[-1].steps + 1):
         pace = launch_gap(table) * spacing, table.samples * spacing
         betweens = SHARINGS if design.algorithm.minors > 1 else [None]
-        for way in product(SHARINGS, betweens, FRINGES, (1, 2)):
+        # launched at every sample, so it has the sample's clocks and no reason to take fewer
+        position = [sharing for sharing in SHARINGS if sharing.steps <= spacing][-1:]
+        positions = position if design.high_resolution else [None]
+        for way in product(SHARINGS, betweens, positions, FRINGES, (1, 2)):
             within, between, *_ = way
             slow = within.steps > pace[0] or (between and between.steps > pace[1])
             if not slow and way not in ways:
@@ -118,7 +137,7 @@ def plan(design: Design) -> Plan:
             return min(
                 (replace(made, spacing=spacing) for made in found),
                 key=lambda made: (
-                    max(made.latency, LATENCY_GOAL),
+                    max(made.latency, goal),
                     made.fringe,
                     made.tiles,
                     max(made.latency, next_end - 1),
@@ -143,12 +162,32 @@ def timing(design: Design) -> Timing:
     return Timing(latency=made.latency, spacing=made.spacing)
 
 
+@lru_cache(maxsize=32)
+def _weightings(
+    design: Design, limb: Limbs
+) -> tuple[Weighting, Weighting, Weighting | Running, Weighting | Running]:
+    """A, B, theta and v."""
+    words, table, n = design.words, design.table, design.algorithm.samples
+    taps, weights = tap_rows(table), weight_rows(table)
+    A, B = (
+        Weighting(counts, taps, result, n, limb)
+        for counts, result in ((words.gyro, words.gyro_taps), (words.accel, words.accel_taps))
+    )
+    theta, v = (
+        Running(counts, result, limb)
+        if weights[n - 1] == [(d, 1) for d in range(n)]
+        else Weighting(counts, weights, result, n, limb)
+        for counts, result in ((words.gyro, words.theta), (words.accel, words.v))
+    )
+    return A, B, theta, v
+
+
 class Stages:
     """The plans of the parts that calculate, and the clocks at which they stand.
 
     Args:
         design: the design.
-        within, between: sharing of the arrays.
+        within, between, position: sharing of the arrays.
         fringe: most low bits of an operand that are multiplied without a block.
         carry_clocks: that a carry has from one limb of a sum to the next.
 
@@ -161,27 +200,18 @@ class Stages:
         design: Design,
         within: Sharing,
         between: Sharing | None,
+        position: Sharing | None,
         fringe: int,
         carry_clocks: int,
     ) -> None:
-        words, table, n = design.words, design.table, design.algorithm.samples
+        words, n = design.words, design.algorithm.samples
         target = TARGETS[design.hardware.target]
         limb = Limbs(target.carry_bits, carry_clocks)
-        self.sharing = (within, between)
+        self.sharing = (within, between, position)
         self.fringe = fringe
         self.carry_clocks = carry_clocks
 
-        taps, weights = tap_rows(table), weight_rows(table)
-        self.gyro_taps, self.accel_taps = (
-            Weighting(counts, taps, result, n, limb)
-            for counts, result in ((words.gyro, words.gyro_taps), (words.accel, words.accel_taps))
-        )
-        self.theta, self.v = (
-            Running(counts, result, limb)
-            if weights[n - 1] == [(d, 1) for d in range(n)]
-            else Weighting(counts, weights, result, n, limb)
-            for counts, result in ((words.gyro, words.theta), (words.accel, words.v))
-        )
+        self.gyro_taps, self.accel_taps, self.theta, self.v = _weightings(design, limb)
         minor_arrivals = [later(part.arrival, Sequencer.latency) for part in (self.theta, self.v)]
 
         # alpha and nu before the last minor interval's, which is all the between products see
@@ -210,7 +240,7 @@ class Stages:
             (words.accel, at_once(words.accel.bits, self.sample_clock)),
         )
         self.arrays = {
-            "within": Crossing(
+            "within": _crossing(
                 (A, B),
                 (s, r),
                 (words.coning_within, words.sculling_within),
@@ -228,7 +258,7 @@ class Stages:
                 (words.theta, minor_arrivals[0]),
                 (words.v, minor_arrivals[1]),
             )
-            self.arrays["between"] = Crossing(
+            self.arrays["between"] = _crossing(
                 (alpha, nu),
                 (theta, v),
                 (words.coning_between, words.sculling_between),
@@ -246,17 +276,25 @@ class Stages:
                 self.arrivals[f"{name}_{place}"] = [
                     later(arrival, self.launches[place]) for _, arrival in components
                 ]
+        self.position: Positioning | None = None
+        if position is not None:
+            N = design.samples_per_major
+            self.position = _positioning(words, N, position, target, limb, fringe)
+            for name, three in self.position.arrivals.items():
+                self.arrivals[name] = [later(arrival, POSITION_CLOCK) for arrival in three]
 
     def plan(self, spacing: int) -> Plan:
         """The plan with these parts."""
-        within, between = self.sharing
+        within, between, position = self.sharing
+        tiles = sum(array.tiles for array in self.arrays.values())
         return Plan(
             spacing=spacing,
             within=within,
             between=between,
+            position=position,
             fringe=self.fringe,
             carry_clocks=self.carry_clocks,
-            tiles=sum(array.tiles for array in self.arrays.values()),
+            tiles=tiles + (self.position.tiles if self.position else 0),
             units=sum(sharing.units for sharing in self.sharing if sharing is not None),
             latency=complete_clock(self.arrivals) + HandOver.latency,
         )
@@ -294,7 +332,9 @@ class PipelinedCore(wiring.Component):
         self.primitive = primitive
         self.plan = plan(design)
         made = self.plan
-        self.stages = Stages(design, made.within, made.between, made.fringe, made.carry_clocks)
+        self.stages = Stages(
+            design, made.within, made.between, made.position, made.fringe, made.carry_clocks
+        )
         self.sequencer = Sequencer(design, self.plan.spacing)
         self.handover: HandOver | StreamHandOver
         arrivals, status_clock = self.stages.arrivals, Sequencer.latency + 1
@@ -407,6 +447,21 @@ class PipelinedCore(wiring.Component):
                         getattr(array, total)[lane]
                     )
 
+        if stages.position is not None:
+            m.submodules.position = position = Position(stages.position, primitive=self.primitive)
+            first = FlagLine(m, "first", sequencer.first, now)
+            m.d.comb += [
+                position.step.eq(flags["taken"].at(POSITION_CLOCK)),
+                position.first.eq(first.at(POSITION_CLOCK)),
+                position.last.eq(flags["major_end"].at(POSITION_CLOCK)),
+            ]
+            for sensor in samples:
+                for i, sample in enumerate(delayed(sensor, POSITION_CLOCK)):
+                    m.d.comb += getattr(position, sensor)[i].eq(sample)
+            for i, lane in enumerate(stages.position.lanes):
+                for name, component in zip(HIGH_RESOLUTION_VECTORS, (i, i, lane), strict=True):
+                    m.d.comb += handover.input[name][i].eq(getattr(position, name)[component])
+
         # status, and the result to the host
         status = Signal(2)
         news = sequencer.short | sequencer.fault << 1  # STATUS_SHORT_HISTORY, _FAULT
@@ -425,7 +480,7 @@ class PipelinedCore(wiring.Component):
             self.result_major.eq(handover.shown_major),
             self.result_status.eq(handover.shown_status),
         ]
-        for name in VECTORS:
+        for name in self.design.vectors:
             for i, axis in enumerate(AXES):
                 m.d.comb += getattr(self, f"result_{name}_{axis}").eq(handover.output[name][i])
         return m

@@ -222,8 +222,7 @@ class Algorithm(Part):
 class Hardware(Part):
     """How it becomes gates.  Field order matters: later ones are checked against earlier.
 
-    core: "pipelined" (fast) or "compact" (small, one multiplication at a time; the only one with
-        high-resolution position).
+    core: "pipelined" (fast) or "compact" (small, one multiplication at a time).
     target: whose multiplier and memory blocks to use; "generic" leaves them to the synthesiser.
     multipliers: multiplier blocks the core may use.  The pipelined core takes as many clocks per
         sample as follow from it, and without it one.  The compact core uses 1 (default) or 0.
@@ -349,18 +348,6 @@ class Design(Part):
                     " to count once, leave out algorithm.table.weights or position"
                 )
         return algorithm
-
-    @field_validator("hardware")
-    @classmethod
-    def _core_has_position(cls, hardware: Hardware, info: ValidationInfo) -> Hardware:
-        algorithm = info.data.get("algorithm")
-        asked = algorithm is not None and algorithm.position == "high-resolution"
-        if asked and hardware.core != "compact":
-            raise InputError(
-                f'hardware.core: "{hardware.core}" has no algorithm.position ='
-                ' "high-resolution", give core = "compact"'
-            )
-        return hardware
 
     @classmethod
     def load(cls, path: str | Path) -> Design:

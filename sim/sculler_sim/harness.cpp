@@ -3,7 +3,7 @@
 // Follows the model and, for each design, definitions that `verilator_build.py` writes:
 //   SCULLER_SAMPLES(X)  X(member, bits) for each of the six counts, in the log's order
 // and, where the hand-over is parallel,
-//   SCULLER_RESULTS(X)  X(member, bits) for each of the 18 components, in the vectors' order
+//   SCULLER_RESULTS(X)  X(member, bits) for each of the components, in the vectors' order
 //   SCULLER_LIMBS       64-bit words that a component takes in a row
 // or, where it is a stream,
 //   SCULLER_WORDS       words of a result
@@ -19,7 +19,9 @@ namespace {
 constexpr int64_t ROW = SCULLER_WORDS;
 constexpr int64_t SHOWN = 2;  // data, last
 #else
-constexpr int64_t ROW = 2 + 18 * SCULLER_LIMBS;  // major, status, components (limbs low to high)
+#define SCULLER_ONE(member, bits) +1
+constexpr int64_t COMPONENTS = 0 SCULLER_RESULTS(SCULLER_ONE);
+constexpr int64_t ROW = 2 + COMPONENTS * SCULLER_LIMBS;  // major, status, limbs low to high
 constexpr int64_t SHOWN = ROW;
 #endif
 

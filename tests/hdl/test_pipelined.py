@@ -7,8 +7,16 @@ import pytest
 from amaranth.hdl import ClockDomain, Module
 from amaranth.sim import Simulator
 
+from position_designs import HIGH_RESOLUTION
 from sculler_hdl.parts.cross import SHARINGS
-from sculler_hdl.pipelined import LATENCY_GOAL, PipelinedCore, launch_gap, plan, timing
+from sculler_hdl.pipelined import (
+    LATENCY_GOAL,
+    POSITION_LATENCY_GOAL,
+    PipelinedCore,
+    launch_gap,
+    plan,
+    timing,
+)
 from sculler_model.cycles import CycleModel, result_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
@@ -96,6 +104,24 @@ def test_latency_by_hand():
     assert timing(DESIGNS["stim300_4x5"]).latency == total
 
 
+@pytest.mark.parametrize(
+    ("multipliers", "spacing", "position", "tiles"),
+    [
+        # 24 for coning and sculling; 12 products of 42 x 24 bits, 3 blocks each with 6 rows, and 6
+        # of 26 x 24, 2 blocks
+        (72, 1, 1, 24 + 12 * 3 + 6 * 2),
+        (48, 2, 2, 12 + (12 * 3 + 6 * 2) // 2),
+        # 18 steps, one unit for all
+        (7, 18, 18, 4 + 3),
+    ],
+)
+def test_plan_with_high_resolution_position(multipliers, spacing, position, tiles):
+    design = HIGH_RESOLUTION["stim300_hr"]
+    made = plan(with_hardware(design, core="pipelined", target="ecp5", multipliers=multipliers))
+    assert (made.spacing, made.position.steps, made.tiles) == (spacing, position, tiles)
+    assert multipliers < 8 or made.latency <= POSITION_LATENCY_GOAL
+
+
 VARIANTS = [
     ("stim300_4x5", {}),
     ("stim300_4x5", {"target": "ecp5", "multipliers": 11, "handover": "stream"}),
@@ -106,6 +132,9 @@ VARIANTS = [
     ("rate_1p0", {"target": "ecp5"}),
     ("smallest", {}),
     ("smallest", {"multipliers": 1, "handover": "stream"}),
+    ("smallest_hr", {}),
+    ("smallest_hr", {"multipliers": 2, "handover": "stream"}),
+    ("taylor_2p1_hr", {"multipliers": 20, "target": "ecp5"}),
     ("sparse", {"target": "ecp5"}),
 ]
 
@@ -114,7 +143,8 @@ VARIANTS = [
 def test_ports_on_every_clock(name, hardware):
     """Against the cycle-accurate model, under stalls on both sides and a reset."""
     sparse = make_design("sparse", 3, 0, 2, (8, 8), denominator=1, taps=[[1], [], []])
-    design = with_hardware({**DESIGNS, "sparse": sparse}[name], **hardware)
+    designs = {**DESIGNS, **HIGH_RESOLUTION, "sparse": sparse}
+    design = with_hardware(designs[name], core="pipelined", **hardware)
     core = PipelinedCore(design, primitive=False)
     model = CycleModel(design, core.timing)
     clocks = 4 * design.samples_per_major * core.timing.spacing + 400

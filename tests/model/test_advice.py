@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sculler_hdl.parts import weighted_sum
-from sculler_hdl.parts.cross import CROSSES, SHARINGS
+from sculler_hdl.parts.cross import CONING_AND_SCULLING, SHARINGS
 from sculler_hdl.pipelined import Stages, tap_rows, weight_rows
 from sculler_model.advice import (
     Candidate,
@@ -65,7 +65,7 @@ def test_cost_is_what_the_core_is_made_of(algorithm: dict[str, object]) -> None:
         operands = arrays[place].operands
         return sum(
             6 * operands[f"left{a}"].range.bits * operands[f"right{b}"].range.bits
-            for a, b in CROSSES
+            for a, b in CONING_AND_SCULLING.crosses
         )
 
     within = products("within")

@@ -613,14 +613,10 @@ class TestHighResolutionPosition:
         )
 
     @pytest.mark.parametrize("hardware", [{}, {"core": "pipelined"}, {"target": "ecp5"}])
-    def test_only_the_compact_core_has_it(self, hardware: dict[str, str]) -> None:
-        assert refusal(changed(self.KEY, ("hardware", hardware))) == (
-            'hardware.core: "pipelined" has no algorithm.position = "high-resolution", give'
-            ' core = "compact"'
-        )
-
-    def test_no_hardware_at_all(self) -> None:
-        assert "hardware.core" in refusal(changed(self.KEY))
+    def test_the_pipelined_core_has_it_too(self, hardware: dict[str, str]) -> None:
+        design = Design.parse(changed(self.KEY, ("hardware", hardware)))
+        assert design.high_resolution
+        assert design.hardware.core == "pipelined"
 
     def test_rate_samples(self) -> None:
         keys = (("sensor.kind", "rate"), ("algorithm.family", "filtered-rate"))
@@ -639,8 +635,3 @@ class TestHighResolutionPosition:
             'algorithm.position: "high-resolution" needs every sample of a minor interval to count'
             " once, leave out algorithm.table.weights or position"
         )
-
-    def test_a_fault_of_the_core_beside_one_of_the_sensor(self) -> None:
-        found = refusal(changed(self.KEY, ("sensor.kind", "rates")))
-        assert "sensor.kind" in found
-        assert "hardware.core" in found

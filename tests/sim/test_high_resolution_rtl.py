@@ -1,7 +1,10 @@
 """High-resolution position in hardware: the golden model's vectors, the cycle model's clocks.
 
-The compact core's Verilog in Verilator, on all targets; worst cases of scrolling among the inputs.
+The Verilog of both cores in Verilator, the compact one's on all targets; worst cases of scrolling
+among the inputs.
 """
+
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +18,20 @@ from strategies import TARGETS, with_hardware
 pytestmark = pytest.mark.usefixtures("verilator")
 
 SIMULATED = "smallest_hr savage_hr stim300_hr wide_hr taylor_2p1_hr dense_hr".split()
-EACH = pytest.mark.parametrize("name", SIMULATED)
+PIPELINED: dict[str, dict[str, Any]] = {
+    "smallest_hr": {},
+    "stim300_hr": {"target": "ecp5"},
+    "wide_hr": {"handover": "stream"},
+    "taylor_2p1_hr": {"target": "ecp5", "multipliers": 20},
+    "taylor_3p3_hr": {"target": "ice40", "handover": "stream"},
+    "dense_hr": {"target": "ice40", "multipliers": 7},
+    "long_hr": {"target": "ecp5", "multipliers": 30},
+}
+FORMS = {name: HIGH_RESOLUTION[name] for name in SIMULATED} | {
+    f"{name}-pipelined": with_hardware(HIGH_RESOLUTION[name], core="pipelined", **hardware)
+    for name, hardware in PIPELINED.items()
+}
+EACH = pytest.mark.parametrize("design", FORMS.values(), ids=FORMS)
 
 
 def check_rows(design, counts, stimulus):
@@ -28,33 +44,29 @@ def check_rows(design, counts, stimulus):
 
 
 @EACH
-def test_verilator_gives_the_golden_vectors(name):
+def test_verilator_gives_the_golden_vectors(design):
     """With and without stalls, full-scale counts among the samples."""
-    design = HIGH_RESOLUTION[name]
     counts, _ = samples_of(design, 5 * design.samples_per_major, seed=11)
     for stimulus in (Stimulus.always(), Stimulus.stalls(5, 2 * clocks_of_major(design))):
         check_rows(design, counts, stimulus)
 
 
 @EACH
-def test_verilator_shows_on_every_clock_what_the_cycle_model_says(name):
+def test_verilator_shows_on_every_clock_what_the_cycle_model_says(design):
     """Under stalls of both sides and resets in mid-interval."""
-    design = HIGH_RESOLUTION[name]
     check_trace(design, "verilator", max(12_000, 5 * clocks_of_major(design)), seeds=range(2))
 
 
 @EACH
-def test_near_the_extremes_of_scrolling(name):
+def test_near_the_extremes_of_scrolling(design):
     """All axes, both ends, one after another, so that history runs from one to the next."""
-    design = HIGH_RESOLUTION[name]
     logs = [furthest(design, axis, sign) for axis in range(3) for sign in (1, -1)]
     check_rows(design, np.concatenate(logs), Stimulus.always())
 
 
 @EACH
-def test_resets_and_stalls(name):
+def test_resets_and_stalls(design):
     """Resets come while samples load, while the engine computes and while words wait."""
-    design = HIGH_RESOLUTION[name]
     counts, _ = samples_of(design, 6 * design.samples_per_major + 20, seed=8)
     major = clocks_of_major(design)
     resets = np.random.default_rng(2).integers(0, 4 * major, 5).tolist()

@@ -7,11 +7,12 @@ golden vectors and to the core's timing on every clock.
 import pytest
 
 from bench_files import run_bench
+from position_designs import HIGH_RESOLUTION
 from strategies import DESIGNS, on_targets
 
 EACH = {
     name: on_target
-    for design in DESIGNS.values()
+    for design in (*DESIGNS.values(), HIGH_RESOLUTION["taylor_3p3_hr"])
     for name, on_target in on_targets(design, "pipelined").items()
 }
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, reduce
 from itertools import pairwise
 
 from amaranth import Cat, Module, Mux, Signal, Value
@@ -28,13 +28,25 @@ from sculler_hdl.target import Target
 from sculler_model.vectors import AXES
 from sculler_model.wordlength import ZERO, Interval
 
-CROSSES = ((0, 0), (0, 1), (1, 0))
-"""(left, right) of the three cross products: A x s, A x r, B x s; or alpha x theta and so on."""
 
-TOTALS = {"coning": (0,), "sculling": (1, 2)}
-"""Which cross products go into which total."""
+@dataclass(frozen=True, eq=False)
+class Form:
+    """What an array calculates.
 
-OPERANDS = ("left0", "left1", "right0", "right1")
+    Attributes:
+        crosses: (left, right) of three cross products: the numbers of their operands.
+        totals: which of them go into which total.
+    """
+
+    crosses: tuple[tuple[int, int], ...]
+    totals: Mapping[str, tuple[int, ...]]
+
+
+CONING_AND_SCULLING = Form(((0, 0), (0, 1), (1, 0)), {"coning": (0,), "sculling": (1, 2)})
+"""A x s;  A x r + B x s: or alpha x theta and so on."""
+
+SCROLLING = Form(((0, 0), (1, 1), (2, 2)), {"scrolling": (0, 1, 2)})
+"""Three cross products of different operands for one total."""
 
 _During = Callable[[tuple[int, ...], int, FlagLine], Value]
 
@@ -77,7 +89,7 @@ SHARINGS = [
 
 @dataclass(frozen=True)
 class Operand:
-    """One of the four vectors: the range of a component, and when its bits are there."""
+    """One of the vectors: the range of a component, and when its bits are there."""
 
     range: Interval
     arrival: Arrival
@@ -88,11 +100,12 @@ class Crossing:
 
     Args:
         lefts, rights: the operands.
-        totals: ranges of the totals' components, coning and sculling.
+        totals: ranges of the totals' components, in the order of `form.totals`.
         sharing: how the units are shared.
         target: whose multiplier blocks.
         limb: how sums are cut.
         fringe: most low bits of an operand that may go to rows of AND gates.
+        form: what it calculates.
 
     Attributes:
         tiles: multiplier blocks in all.
@@ -102,16 +115,19 @@ class Crossing:
 
     def __init__(
         self,
-        lefts: tuple[Operand, Operand],
-        rights: tuple[Operand, Operand],
-        totals: tuple[Interval, Interval],
+        lefts: Sequence[Operand],
+        rights: Sequence[Operand],
+        totals: Sequence[Interval],
         sharing: Sharing,
         target: Target,
         limb: Limbs,
         fringe: int,
+        form: Form = CONING_AND_SCULLING,
     ) -> None:
-        self.operands = dict(zip(OPERANDS, (*lefts, *rights), strict=True))
-        self.totals = dict(zip(TOTALS, totals, strict=True))
+        self.operands = {f"left{i}": item for i, item in enumerate(lefts)}
+        self.operands |= {f"right{i}": item for i, item in enumerate(rights)}
+        self.form = form
+        self.totals = dict(zip(form.totals, totals, strict=True))
         self.sharing = sharing
         self.target = target
         self.limb = limb
@@ -120,7 +136,7 @@ class Crossing:
 
         # the pairs of operands that the units see, at the first step
         taken = self.operands
-        self.pairs = [(f"left{a}", f"right{b}") for a, b in CROSSES]
+        self.pairs = [(f"left{a}", f"right{b}") for a, b in form.crosses]
         if sharing.crosses == 3:
             taken = {
                 "left": _joint(*lefts),
@@ -176,14 +192,14 @@ class Crossing:
         """The products that a step forms for a total, each once or on both sides."""
         if self.sharing.crosses == 3:
             return self.products
-        return [self.products[cross] for cross in TOTALS[total]]
+        return [self.products[cross] for cross in self.form.totals[total]]
 
     def steps_of(self, total: str) -> list[int]:
         """The steps that add to a total."""
         each = self.sharing.sides * self.sharing.axes
         if self.sharing.crosses == 1:
             return list(range(each))
-        return [cross * each + step for cross in TOTALS[total] for step in range(each)]
+        return [cross * each + step for cross in self.form.totals[total] for step in range(each)]
 
     def steps_where(self, cross: int | None = None, side: int | None = None) -> list[int]:
         """The steps of one of the crosses or one of the sides that take turns."""
@@ -196,7 +212,9 @@ class Crossing:
 
 
 class CrossArray(wiring.Component):
-    """coning += left0 x right0;  sculling += left0 x right1 + left1 x right0, at each launch.
+    """Totals of cross products: each grows by those that its form names, at each launch.
+
+    coning += left0 x right0;  sculling += left0 x right1 + left1 x right0, for example.
 
     The units take the products in `plan.sharing.steps` clocks, axis by axis inside side by side
     inside cross by cross:
@@ -210,8 +228,9 @@ class CrossArray(wiring.Component):
 
     Members:
         launch, last (clock 0): the operands are to be taken; the totals are then complete.
-        left0, left1, right0, right1: vectors, as they arrive.
-        coning, sculling: the totals' components, or the newest of them if axes take turns.
+        left0, ... right0, ...: vectors, as they arrive.
+        coning, sculling, or what the totals are: their components, or the newest of them if axes
+            take turns.
 
     A launch may follow `plan.sharing.steps` clocks after the one before.
 
@@ -255,9 +274,14 @@ class CrossArray(wiring.Component):
             """Bits of the component in a place, of the operand in turn if they take turns."""
             if plan.sharing.crosses == 1:
                 return places[name][number].window(lo, hi, clock)
-            first, second = (places[f"{side}{i}"][number].window(lo, hi, clock) for i in (0, 1))
-            turn = plan.steps_where(cross=2 if side == "left" else 1)
-            return Mux(during(tuple(turn), clock, launch), second, first)
+            numbers = [cross[side == "right"] for cross in plan.form.crosses]
+            chosen, *others = (
+                places[f"{side}{i}"][number].window(lo, hi, clock) for i in range(max(numbers) + 1)
+            )
+            for i, other in enumerate(others, start=1):
+                turn = plan.steps_where(cross=numbers.index(i))
+                chosen = Mux(during(tuple(turn), clock, launch), other, chosen)
+            return chosen
 
         def seen(side: str, pair: int, forward: int, backward: int, axis: int) -> Word:
             """A unit's operand: from the place of the forward product, or of the one in turn."""
@@ -292,8 +316,8 @@ class CrossArray(wiring.Component):
                     )
                 values.append(found)
             built: dict[tuple[int, ...], Word] = {}
-            for name in TOTALS:
-                mine = TOTALS[name] if plan.sharing.crosses == 1 else (0,)
+            for name, crosses in plan.form.totals.items():
+                mine = crosses if plan.sharing.crosses == 1 else (0,)
                 if mine not in built:
                     terms = [value for pair in mine for value in values[pair]]
                     built[mine] = plan.sums[name].build(m, f"{name}_{AXES[lane]}", terms)
@@ -357,13 +381,13 @@ class CrossArray(wiring.Component):
         return Cat(*pieces)
 
 
-def _joint(a: Operand, b: Operand) -> Operand:
-    """An operand that is now the one and now the other: its bits come with the later."""
-    joint = a.range | b.range
-    ends = {end for item in (a, b) for _, end, _ in spans(item.arrival)}
+def _joint(*items: Operand) -> Operand:
+    """An operand that is now the one and now the other: its bits come with the latest."""
+    joint = reduce(Interval.__or__, (item.range for item in items))
+    ends = {end for item in items for _, end, _ in spans(item.arrival)}
     cuts = sorted({0, joint.bits, *(end for end in ends if end < joint.bits)})
     arrival = tuple(
-        (hi - lo, max(_clock_of(item, lo, hi) for item in (a, b))) for lo, hi in pairwise(cuts)
+        (hi - lo, max(_clock_of(item, lo, hi) for item in items)) for lo, hi in pairwise(cuts)
     )
     return Operand(joint, arrival)
 

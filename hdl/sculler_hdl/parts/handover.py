@@ -10,7 +10,7 @@ from sculler_hdl.parts.layout import vector
 from sculler_hdl.parts.words import Arrival, FlagLine, spans
 from sculler_model.cycles import PORT_MAJOR_BITS
 from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import AXES, COLUMNS, VECTORS
+from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS, VECTORS, columns_of
 from sculler_model.wordlength import WordLengths
 
 Arrivals = Mapping[str, list[Arrival]]
@@ -18,8 +18,10 @@ Arrivals = Mapping[str, list[Arrival]]
 
 
 def result_layout(words: WordLengths) -> data.StructLayout:
-    """The six vectors of a result, each as wide as its worst case."""
-    return data.StructLayout({name: vector(getattr(words, name)) for name in VECTORS})
+    """The vectors of a result, each as wide as its worst case."""
+    names = (*VECTORS, *HIGH_RESOLUTION_VECTORS)
+    ranges = {name: getattr(words, name) for name in names}
+    return data.StructLayout({name: vector(r) for name, r in ranges.items() if r is not None})
 
 
 def complete_clock(arrivals: Arrivals) -> int:
@@ -141,11 +143,13 @@ class StreamHandOver(wiring.Component):
         self.arrivals = dict(arrivals)
         self.clock = clock
         self.complete = complete_clock(arrivals)
+        layout = result_layout(words)
+        self.columns = columns_of(tuple(layout.members))
         super().__init__(
             {
                 "major_end": In(1),
                 "status": In(2),
-                "input": In(result_layout(words)),
+                "input": In(layout),
                 "ready": In(1),
                 "valid": Out(1),
                 "taken": Out(1),
@@ -157,7 +161,7 @@ class StreamHandOver(wiring.Component):
     def elaborate(self, platform: object) -> Module:
         m = Module()
         collector = _Collector(m, self.major_end, self.clock, self.arrivals)
-        count = len(COLUMNS) * self.column_words
+        count = len(self.columns) * self.column_words
         words = [
             self.data,
             *(Signal(WORD_BITS, name=f"word{i}") for i in range(1, count)),
@@ -194,7 +198,7 @@ class StreamHandOver(wiring.Component):
                 self.last.eq(0),
             ]
         for name, axis, lo, _, pulse, bits in collector.pieces(self.input):
-            column = COLUMNS.index(f"{name}_{AXES[axis]}")
+            column = self.columns.index(f"{name}_{AXES[axis]}")
             total = Value.cast(self.input[name][axis])
             if lo + len(bits) == len(total):  # the sign goes on to the column's end
                 missing = WORD_BITS * self.column_words - len(total)

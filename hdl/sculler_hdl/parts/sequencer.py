@@ -23,7 +23,8 @@ class Sequencer(wiring.Component):
         minor_end, major_end: it is the last of its minor, major interval.
         phase: k - 1 = 0..n-1.
         first: it is the first of its major interval.
-        short: a tap or weight in use reached before the first sample since reset.
+        short: a tap or weight in use, or high-resolution position, reached before the first sample
+            since reset.
         fault: the sensor's own mark.
     Where no sample was taken, launch, minor_end and major_end are 0 and the others mean nothing.
 
@@ -57,7 +58,7 @@ class Sequencer(wiring.Component):
         )
 
     def short_samples(self) -> list[bool]:
-        """For each t from reset, whether a tap or weight in use then reach before sample 0."""
+        """For each t from reset, whether something in use then reaches before sample 0."""
         table = self.design.table
         short = []
         for t in range(table.history):
@@ -66,6 +67,8 @@ class Sequencer(wiring.Component):
             if k == table.samples:
                 used += [d for d, w in enumerate(table.weights) if w]
             short.append(max(used, default=0) > t)
+        if self.design.high_resolution:  # reaches one sample back
+            short[:1] = [True]
         return short
 
     def elaborate(self, platform: object) -> Module:
