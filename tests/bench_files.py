@@ -9,15 +9,15 @@ from pathlib import Path
 
 from sculler_hdl.core import timing
 from sculler_model.design import Design
-from sculler_sim.testbench import write_testbench
+from sculler_sim.testbench import LEAST, Least, write_testbench
 from sculler_sim.verilator_build import emitted
 
 
-def bench_of(design: Design, folder: Path) -> dict[str, str]:
+def bench_of(design: Design, folder: Path, least: Least = LEAST) -> dict[str, str]:
     """Leave a folder as `generate` does; the commands of its README by simulator."""
     files = emitted(design)
     cells = [Path(name).stem for name in files if name != f"{design.name}.v"]
-    write_testbench(design, folder, timing(design), cells)
+    write_testbench(design, folder, timing(design), cells, least)
     for name, text in files.items():
         (folder / name).write_text(text)
     readme = (folder / "README.md").read_text()
@@ -39,9 +39,9 @@ def shell(command: str, folder: Path, **environment: str) -> subprocess.Complete
     )
 
 
-def run_bench(design: Design, folder: Path) -> tuple[int, int, int]:
+def run_bench(design: Design, folder: Path, least: Least = LEAST) -> tuple[int, int, int]:
     """The bench passes in Icarus without a warning; results, samples and stalled clocks."""
-    done = shell(bench_of(design, folder)["icarus"], folder)
+    done = shell(bench_of(design, folder, least)["icarus"], folder)
     assert done.stderr == ""
     counts = re.fullmatch(
         r"PASS: (\d+) results of (\d+) samples in \d+ clocks, samples stalled in (\d+)\n",

@@ -73,6 +73,30 @@ def check_files(design: Design, folder: Path, engines: Iterable[EngineName], sam
             assert run.leftover == over
 
 
+def anywhere_in_four_majors(design: Design) -> Stimulus:
+    """Stalls, and resets while samples load, while the engine computes and while words wait."""
+    major = clocks_of_major(design)
+    resets = np.random.default_rng(2).integers(0, 4 * major, 5).tolist()
+    return Stimulus.stalls(2, major).with_resets(3, 40, 41, *resets)
+
+
+def check_resets(design: Design, folder: Path, samples: int, stimulus: Stimulus) -> None:
+    """Verilator's vectors file is the cycle model's, under resets and stalls."""
+    chunks = [samples_of(design, samples, seed=8)]
+    engines: tuple[EngineName, ...] = ("model", "verilator")
+    model, verilator = (
+        write(
+            folder / f"{engine}.csv",
+            simulate(design, chunks, engine=engine, stimulus=stimulus),
+            design.columns,
+        )
+        for engine in engines
+    )
+    difference = compare(model, verilator)
+    assert difference is None, difference.describe(model, verilator)
+    assert len(model.read_text().splitlines()) > 1  # there are results
+
+
 def check_trace(
     design: Design, engine: EngineName, clocks: int, seeds: Iterable[int], least: int = 10
 ) -> None:

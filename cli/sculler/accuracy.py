@@ -12,14 +12,13 @@ from dataclasses import dataclass, field, replace
 from itertools import product as product_of
 from math import degrees, hypot, pi, radians, sin, sqrt
 from pathlib import Path
-from textwrap import fill
 from typing import Any, Literal
 
 import click
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler import terminal
+from sculler import documents, terminal
 from sculler.main import run_command
 from sculler_model.advice import PER_HOUR, Environment, coning_drift, fitted_band
 from sculler_model.analysis import frequency, manoeuvre
@@ -43,13 +42,9 @@ from sculler_model.navigation.rotation import (
     product,
     to_rotation_vector,
 )
-from sculler_sim.files import make_folder, replacing
 
 Array = NDArray[np.float64]
 Kind = Literal["increment", "rate"]
-
-WIDTH = 105
-"""Columns of the document's paragraphs."""
 
 
 @dataclass
@@ -78,16 +73,14 @@ class Section:
 
     def lines(self) -> Iterator[str]:
         """As Markdown."""
-        yield from ("", f"## {self.title}", fill(self.before, WIDTH), "")
-        yield f"| quantity | {self.reference} | ours | given by |"
-        yield "|---|---:|---:|---|"
-        for row in self.rows:
-            yield "| " + " | ".join(row) + " |"
+        yield from ("", f"## {self.title}", documents.paragraph(self.before), "")
+        headings = ("quantity", self.reference, "ours", "given by")
+        yield from documents.table("lrrl", headings, self.rows)
         if self.picture is not None:
             name, caption = self.picture
             yield from ("", f"![{caption}](images/{name})")
         for paragraph in self.after:
-            yield from ("", fill(paragraph, WIDTH))
+            yield from ("", documents.paragraph(paragraph))
 
 
 def number(value: float, digits: int = 2) -> str:
@@ -753,30 +746,10 @@ def _curve(
 
 
 @click.command(epilog=terminal.examples("python -m sculler.accuracy -o docs"))
-@click.option(
-    "-o",
-    "--output",
-    "folder",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=Path("docs"),
-    show_default=True,
-    metavar="FOLDER",
-    help="Where accuracy.md and images/ go.",
-)
+@documents.folder_option("accuracy.md")
 def command(folder: Path) -> None:
     """Compute docs/accuracy.md and draw its pictures."""
-    from sculler.plots import require_matplotlib
-
-    require_matplotlib()
-    images = folder / "images"
-    make_folder(images)
-    pictures = draw(images)
-    text = document()
-    with replacing(folder / "accuracy.md") as temporary:
-        temporary.write_text(text, encoding="utf-8")
-    terminal.report(
-        {}, False, f"wrote {folder / 'accuracy.md'} and {len(pictures)} pictures in {images}"
-    )
+    documents.write_document(folder / "accuracy.md", lambda images: (document(), draw(images)))
 
 
 if __name__ == "__main__":

@@ -21,8 +21,8 @@ from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
 from sculler_model.motion import Curve, Motion, Turn, X, Y, Z
 from sculler_model.navigation import GeographicNavigator, NavHistory, Navigator, NavState
-from sculler_model.navigation.earth import radii
 from sculler_model.navigation.exact import exact_increments
+from sculler_model.navigation_errors import navigation_errors
 
 Array = NDArray[np.float64]
 
@@ -92,7 +92,11 @@ def compare(seconds: float = 1000.0, rate_hz: float = 100.0, runs: int = 5) -> d
         median = statistics.median(runs_taken)
         rows[name] = {"us_per_update": 1e6 * median / count, "updates_per_s": count / median}
         if name in found:
-            rows[name] |= _errors(found[name], true)
+            errors = navigation_errors(found[name], true)
+            rows[name] |= {
+                "horizontal_m": float(errors.horizontal.max()),
+                "velocity_m_per_s": float(np.abs(errors.velocity).max()),
+            }
     ours, other = contenders
     return {
         "motion": FLIGHT.name,
@@ -101,16 +105,6 @@ def compare(seconds: float = 1000.0, rate_hz: float = 100.0, runs: int = 5) -> d
         "navigators": rows,
         "speed_ratio": rows[ours]["updates_per_s"] / rows[other]["updates_per_s"],
         "error_ratio": rows[other]["horizontal_m"] / rows[ours]["horizontal_m"],
-    }
-
-
-def _errors(found: NavHistory, true: NavHistory) -> dict[str, float]:
-    meridian, prime_vertical = radii(np.sin(true.lat))
-    north = (found.lat - true.lat) * (meridian + true.h)
-    east = (found.lon - true.lon) * (prime_vertical + true.h) * np.cos(true.lat)
-    return {
-        "horizontal_m": float(np.hypot(north, east).max()),
-        "velocity_m_per_s": float(np.abs(found.v - true.v).max()),
     }
 
 

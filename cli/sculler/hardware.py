@@ -11,21 +11,16 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from textwrap import fill
 from typing import Any
 
 import click
 
-from sculler import terminal
+from sculler import documents, terminal
 from sculler.main import run_command
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_sim.files import make_folder, replacing
 from sculler_sim.place.devices import find_device
 from sculler_sim.place.placement import Placement, place
-
-WIDTH = 105
-"""Columns of the document's paragraphs."""
 
 SEEDS = (1, 2, 3)
 
@@ -228,7 +223,7 @@ def points() -> list[Point]:
     ]
 
 
-BUDGETS = (None, 8, 4)
+BUDGETS = (None, 28, 16, 12, 8, 6, 4)
 """Multipliers of the pipelined core in the picture of the design space."""
 
 
@@ -333,7 +328,7 @@ def _introduction(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
         "Written by `make hardware`; `sculler place DESIGN --device DEVICE` does it for any design."
     )
     yield ""
-    yield fill(
+    yield documents.paragraph(
         "**How.** Yosys and nextpnr as PyPI has them ("
         + ", ".join(f"{name} {version}" for name, version in sorted(tools.items()))
         + f"), the median of {len(SEEDS)} seeds with the slowest and fastest beside it; the timing"
@@ -341,43 +336,40 @@ def _introduction(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
         " figure: in an ECP5 the core is placed alone (`--out-of-context`); in an iCE40, where"
         " nextpnr has no such thing, it sits in a shift register, in which every input comes from"
         " a register and every output goes to one. The shift register's area is not counted: the"
-        " area is the core's own, packed alone, with its result buffers.",
-        WIDTH,
+        " area is the core's own, packed alone, with its result buffers."
     )
     yield ""
-    yield fill(
+    yield documents.paragraph(
         "**Inside blocks.** nextpnr does not check what lies between a block's own registers. We"
         " do, from the netlist's parameters: a multiplier of an ECP5 -6 allows 292 MHz from input"
         " to output register and 390 MHz with its pipeline register in use, a block RAM 212 MHz"
-        " (shortest clock pulses). The clock rates below are the smaller of both.",
-        WIDTH,
+        " (shortest clock pulses). The clock rates below are the smaller of both."
     )
     yield ""
-    yield fill(
+    yield documents.paragraph(
         "**The netlist is checked.** `sculler place --check` simulates what was placed, with"
         " models of the device's cells, against the golden model; so do the tests, for both cores"
         " and both families. The check is needed: `synth_ice40 -dsp` of this Yosys ties products"
         " to constants when it moves registers with initial values into a multiplier, so it is"
-        " not used; a design with `hardware.target` brings its multipliers itself.",
-        WIDTH,
+        " not used; a design with `hardware.target` brings its multipliers itself."
     )
-
-
-def _row(cells_: Sequence[str]) -> str:
-    return "| " + " | ".join(cells_) + " |"
 
 
 def _goals(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
     yield "## Figures to reach"
-    yield _row(("design", "device", "asked", "found", "reached"))
-    yield "|---|---|---|---|---|"
-    for point, placement in placed:
-        if point.asked:
-            asked = "; ".join(condition.text for condition in point.asked)
-            found = "; ".join(condition.reached(placement) for condition in point.asked)
-            missed = [c.text for c in point.asked if not c.met(placement)]
-            verdict = f"**no**: {'; '.join(missed)}" if missed else "yes"
-            yield _row((point.what, placement.device, asked, found, verdict))
+    yield from documents.table(
+        "lllll",
+        ("design", "device", "asked", "found", "reached"),
+        (_goal_row(point, placement) for point, placement in placed if point.asked),
+    )
+
+
+def _goal_row(point: Point, placement: Placement) -> tuple[str, ...]:
+    asked = "; ".join(condition.text for condition in point.asked)
+    found = "; ".join(condition.reached(placement) for condition in point.asked)
+    missed = [condition.text for condition in point.asked if not condition.met(placement)]
+    verdict = f"**no**: {'; '.join(missed)}" if missed else "yes"
+    return point.what, placement.device, asked, found, verdict
 
 
 def table_row(point: Point, placement: Placement) -> list[str]:
@@ -411,18 +403,15 @@ def _of(luts: int, placement: Placement, kinds: Sequence[str], name: str) -> str
 
 def _table(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
     yield "## Designs and devices"
-    yield fill(
+    yield documents.paragraph(
         "Four samples a minor interval without history, five minor intervals a result. LUTs have 4"
         " inputs in the Lattice devices (logic, carry chains and small memories together) and 6 in"
         " Xilinx's 7 series, where the area is an estimate by synthesis alone. Clocks are those of"
-        " the long run, samples always offered and results taken at once.",
-        WIDTH,
+        " the long run, samples always offered and results taken at once."
     )
     yield ""
-    yield _row(HEADINGS)
-    yield "|---|---|" + "---:|" * (len(HEADINGS) - 2)
-    for point, placement in placed:
-        yield _row(table_row(point, placement))
+    rows = (table_row(point, placement) for point, placement in placed)
+    yield from documents.table("ll" + "r" * (len(HEADINGS) - 2), HEADINGS, rows)
     yield ""
     yield "![Speed against area](images/hardware-speed-area.png)"
 
@@ -433,62 +422,58 @@ def _paths(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
         if placement.seeds:
             yield f"- {point.what}, {placement.device}: {placement.limited_by()}"
     yield ""
-    yield fill(
+    yield documents.paragraph(
         "Names are the registers' in the generated Verilog; `harness` is the shift register. A"
-        " carry step is one LUT's width of an addition.",
-        WIDTH,
+        " carry step is one LUT's width of an addition."
     )
 
 
 def _space(corners: Sequence[Corner]) -> Iterator[str]:
     yield "## Multipliers against clocks against LUTs"
-    yield fill(
+    yield documents.paragraph(
         "The 24-bit design in an ECP5 with `hardware.multipliers` ever smaller, then the compact"
-        " core; packed, not placed.",
-        WIDTH,
+        " core; packed, not placed."
     )
     yield ""
-    yield _row(("core", "multipliers", "clocks a sample", "LUTs"))
-    yield "|---|---:|---:|---:|"
-    for corner in corners:
-        yield _row(
+    yield from documents.table(
+        "lrrr",
+        ("core", "multipliers", "clocks a sample", "LUTs"),
+        (
             (corner.name, str(corner.multipliers), f"{corner.clocks:.4g}", f"{corner.luts:,}")
-        )
+            for corner in corners
+        ),
+    )
     yield ""
     yield "![The design space](images/hardware-design-space.png)"
 
 
 def _beside(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
     yield "## Beside published figures"
-    yield fill(
+    yield documents.paragraph(
         "They are of other algorithms in other devices: those of attitude and navigation hold the"
         " whole update, ours the exact high-rate part of both, coning and sculling, with the"
-        " low-rate part left to the host. So only the orders of magnitude say something.",
-        WIDTH,
+        " low-rate part left to the host. So only the orders of magnitude say something."
     )
     yield ""
-    yield _row(("what", "in", "time"))
-    yield "|---|---|---|"
-    for row in PUBLISHED:
-        yield _row(row)
+    yield from documents.table("lll", ("what", "in", "time"), (*PUBLISHED, *_our_rows(placed)))
+
+
+def _our_rows(placed: Sequence[tuple[Point, Placement]]) -> Iterator[tuple[str, ...]]:
+    """Our rows of the same."""
     for point, placement in placed:
         if placement.fmax_mhz is not None and point.asked:
             clocks = placement.clocks_per_minor
-            yield _row(
-                (
-                    f"ours: coning and sculling of a minor interval, {point.what}",
-                    f"{clocks:,} clocks at {placement.fmax_mhz:.0f} MHz, {placement.device},"
-                    f" {_counted(placement.area.multipliers, 'multipliers')}",
-                    f"{_duration(clocks / placement.fmax_mhz)} a minor interval",
-                )
+            yield (
+                f"ours: coning and sculling of a minor interval, {point.what}",
+                f"{clocks:,} clocks at {placement.fmax_mhz:.0f} MHz, {placement.device},"
+                f" {_counted(placement.area.multipliers, 'multipliers')}",
+                f"{_duration(clocks / placement.fmax_mhz)} a minor interval",
             )
         elif not placement.seeds:
-            yield _row(
-                (
-                    f"ours: {point.what}",
-                    f"{placement.area.multipliers} DSPs, {placement.device}",
-                    "area only",
-                )
+            yield (
+                f"ours: {point.what}",
+                f"{placement.area.multipliers} DSPs, {placement.device}",
+                "area only",
             )
 
 
@@ -533,16 +518,7 @@ def measure(chosen: Sequence[Point], advance: terminal.Advance) -> list[tuple[Po
         "python -m sculler.hardware --only fast-24 --only compact-ecp5",
     )
 )
-@click.option(
-    "-o",
-    "--output",
-    "folder",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=Path("docs"),
-    show_default=True,
-    metavar="FOLDER",
-    help="Where hardware.md and images/ go.",
-)
+@documents.folder_option("hardware.md")
 @click.option(
     "--only",
     "keys",
@@ -565,21 +541,15 @@ def command(folder: Path, keys: tuple[str, ...]) -> None:
         text = "\n".join([*_goals(placed), "", *_table(placed), "", *_paths(placed)])
         terminal.report({}, False, text)
         return
-    from sculler.plots import require_matplotlib
 
-    require_matplotlib()
-    images = folder / "images"
-    make_folder(images)
-    total = len(chosen) * (1 + len(SEEDS)) + len(BUDGETS) + 2
-    with terminal.progress("placing", total) as advance:
-        placed = measure(chosen, advance)
-        corners = design_space(advance)
-    pictures = draw(images, placed, corners)
-    with replacing(folder / "hardware.md") as temporary:
-        temporary.write_text(document(placed, corners), encoding="utf-8")
-    terminal.report(
-        {}, False, f"wrote {folder / 'hardware.md'} and {len(pictures)} pictures in {images}"
-    )
+    def compute(images: Path) -> tuple[str, list[Path]]:
+        total = len(chosen) * (1 + len(SEEDS)) + len(BUDGETS) + 2
+        with terminal.progress("placing", total) as advance:
+            placed = measure(chosen, advance)
+            corners = design_space(advance)
+        return document(placed, corners), draw(images, placed, corners)
+
+    documents.write_document(folder / "hardware.md", compute)
 
 
 if __name__ == "__main__":

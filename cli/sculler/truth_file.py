@@ -71,10 +71,10 @@ def read_truth(
             begins = binary.read(8)
         tables = next((read for magic, read in _TABLES if begins.startswith(magic)), None)
         if tables is not None:
-            yield from _array_blocks(path, tables, advance)
+            yield from _states(*_of_arrays(path, tables), advance)
             return
         with path.open(encoding="utf-8-sig", newline="") as file:
-            yield from _blocks(file, str(path), advance)
+            yield from _states(*_of_text(file, str(path)), advance)
     except OSError as error:
         raise InputError(
             f"{path}: cannot read the truth ({error.strerror}), check the path"
@@ -108,42 +108,36 @@ _TABLES = ((b"PK\x03\x04", _npz), (b"MATLAB ", _mat), (b"PAR1", _parquet))
 """How such files begin, and what reads them."""
 
 
-def _array_blocks(
-    path: Path, tables: Callable[[Path], Tables], advance: Callable[[int], None] | None
+def _states(
+    layout: _Layout, blocks: Iterator[Array], advance: Callable[[int], None] | None
 ) -> Iterator[NavHistory]:
+    """A file's rows as states, checked; there must be some."""
+    number, before = layout.first, -np.inf
+    for rows in blocks:
+        layout.check(rows, number, before)
+        before = float(rows[-1, 0])
+        number += len(rows)
+        if advance is not None:
+            advance(len(rows))
+        yield layout.history(rows)
+    if number == layout.first:
+        raise InputError(f"{layout.name}: the truth has no rows, give one for every instant")
+
+
+def _of_arrays(path: Path, tables: Callable[[Path], Tables]) -> tuple[_Layout, Iterator[Array]]:
+    """Layout and rows of a file of named arrays."""
     names, blocks = tables(path)
     layout = _Layout(str(path), names, "row")
-    row, before = 1, -np.inf
-    for columns in blocks:
-        table = layout.stacked(columns)
-        for first in range(0, len(table), BLOCK):
-            part = table[first : first + BLOCK]
-            layout.check(part, row, before)
-            before = float(part[-1, 0])
-            row += len(part)
-            if advance is not None:
-                advance(len(part))
-            yield layout.history(part)
-    if row == 1:
-        raise InputError(f"{path}: the truth has no rows, give one for every instant")
+    return layout, layout.from_arrays(blocks)
 
 
-def _blocks(file: TextIO, name: str, advance: Callable[[int], None] | None) -> Iterator[NavHistory]:
+def _of_text(file: TextIO, name: str) -> tuple[_Layout, Iterator[Array]]:
+    """Layout and rows of a CSV."""
     header = file.readline()
     if not header.strip():
         raise InputError(f"{name}: the truth is empty, give a header and rows")
     layout = _Layout(name, [column.strip() for column in header.split(",")], "line")
-    line, before = 2, -np.inf
-    while lines := list(islice(file, BLOCK)):
-        table = layout.table(lines, line)
-        layout.check(table, line, before)
-        before = float(table[-1, 0])
-        line += len(lines)
-        if advance is not None:
-            advance(len(lines))
-        yield layout.history(table)
-    if line == 2:
-        raise InputError(f"{name}: the truth has no rows, give one for every instant")
+    return layout, layout.from_text(file)
 
 
 class _Layout:
@@ -153,10 +147,14 @@ class _Layout:
         name: of the file.
         names: of its columns.
         unit: what messages count: a `line` of text or a `row` of arrays.
+
+    Attributes:
+        first: number of the first row, the header being line 1.
     """
 
     def __init__(self, name: str, names: list[str], unit: Literal["line", "row"]) -> None:
         self.name, self.unit = name, unit
+        self.first = 2 if unit == "line" else 1
         where = f"{name}: line 1" if unit == "line" else name
         self.euler = not all(column in names for column in QUATERNION)
         self.columns = (*PLACE, *(EULER if self.euler else QUATERNION))
@@ -170,8 +168,15 @@ class _Layout:
         self.width = len(names)
         self.places = [names.index(column) for column in self.columns]
 
-    def table(self, lines: list[str], first: int) -> Array:
-        """The wanted columns of some rows, of which the first is line `first` of the file."""
+    def from_text(self, file: TextIO) -> Iterator[Array]:
+        """The wanted columns of the lines below the header, `BLOCK` at a time."""
+        number = self.first
+        while lines := list(islice(file, BLOCK)):
+            yield self._table(lines, number)
+            number += len(lines)
+
+    def _table(self, lines: list[str], first: int) -> Array:
+        """The wanted columns of some lines, of which the first is line `first` of the file."""
         if all(line.strip() for line in lines):
             try:
                 return np.loadtxt(
@@ -181,7 +186,14 @@ class _Layout:
                 pass  # line by line, to say where
         return np.array([self._row(line, first + k) for k, line in enumerate(lines)])
 
-    def stacked(self, columns: Mapping[str, NDArray[Any]]) -> Array:
+    def from_arrays(self, blocks: Iterator[Mapping[str, NDArray[Any]]]) -> Iterator[Array]:
+        """The wanted columns of arrays, at most `BLOCK` rows at a time."""
+        for columns in blocks:
+            table = self._stacked(columns)
+            for first in range(0, len(table), BLOCK):
+                yield table[first : first + BLOCK]
+
+    def _stacked(self, columns: Mapping[str, NDArray[Any]]) -> Array:
         """The wanted columns of arrays, side by side."""
         for column in self.columns:
             array, time = columns[column], columns["time_s"]

@@ -33,8 +33,13 @@ from sculler_model.vectors import AXES
 from sculler_sim.files import make_folder, replacing
 
 _SEED = 2001
-_LEAST = ((1, 200), (2, 400))  # major intervals and samples before and after the reset ...
-_CLOCKS = 3  # ... of cores that take so many clocks a sample; slower ones get fewer samples
+_CLOCKS = 3  # a sample; cores that take more get fewer samples than `Least` says
+
+Least = tuple[tuple[int, int], tuple[int, int]]
+"""Major intervals and samples, so many at least, before the reset and after it."""
+
+LEAST: Least = ((1, 200), (2, 400))
+"""What a test bench runs that is handed out."""
 
 
 class _Template(Template):
@@ -42,7 +47,11 @@ class _Template(Template):
 
 
 def write_testbench(
-    design: Design, folder: str | Path, timing: Timing, cells: Collection[str] = ()
+    design: Design,
+    folder: str | Path,
+    timing: Timing,
+    cells: Collection[str] = (),
+    least: Least = LEAST,
 ) -> list[Path]:
     """Write NAME_tb.v, its two vector files and a README.md beside the design's NAME.v.
 
@@ -53,6 +62,7 @@ def write_testbench(
         folder: where NAME.v lies; made if need be.
         timing: the core's clocks (`timing` in the manifest).
         cells: names of the vendor blocks whose models lie beside NAME.v.
+        least: length of the run; slow cores get fewer samples.
 
     Returns:
         The files written.
@@ -60,7 +70,7 @@ def write_testbench(
     Raises:
         InputError: the folder cannot be made or written to.
     """
-    files = testbench(design, timing, cells)
+    files = testbench(design, timing, cells, least)
     folder = make_folder(folder)
     for name, text in files.items():
         with replacing(folder / name) as temporary:
@@ -68,14 +78,16 @@ def write_testbench(
     return [folder / name for name in files]
 
 
-def testbench(design: Design, timing: Timing, cells: Collection[str]) -> dict[str, str]:
-    """The test bench's files, text by name."""
+def testbench(
+    design: Design, timing: Timing, cells: Collection[str], least: Least
+) -> dict[str, str]:
+    """The test bench's files, text by name; see `write_testbench`."""
     # whole major intervals and a part of one (where one is more than a sample)
     per_major, phases = design.samples_per_major, design.algorithm.samples
     slowness = max(1, clocks_per_major(design, timing) // (_CLOCKS * per_major))
     before, after = (
-        max(intervals, -(-least // slowness // per_major)) * per_major + per_major // 2
-        for intervals, least in _LEAST
+        max(intervals, -(-fewest // slowness // per_major)) * per_major + per_major // 2
+        for intervals, fewest in least
     )
     samples = _samples(design, before + after)
     first = run_fast(design, samples[:before, :6], samples[:before, 6])

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from fine_sensor import fine_design_file
 from sculler.logs import read_log
 from sculler.truth_file import read_truth
 from sculler_model.closed_form import drift_rate
@@ -34,21 +35,6 @@ Run = Callable[..., Any]
 RATE, HALF_ANGLE, OMEGA = 1000.0, radians(1.0), 2 * pi * 20
 START, SECONDS = 0.1, 5.0
 """Whole cycles of the motion and whole major intervals of every design: the ripple cancels."""
-
-DESIGN = """
-name = "example"
-[sensor]
-kind = "{kind}"
-sample_rate_hz = 1000.0
-gyro = {{ bits = 32, lsb = {gyro} }}
-accel = {{ bits = 32, lsb = {accel} }}
-[algorithm]
-family = "{family}"
-samples = {samples}
-minors = {minors}
-[hardware]
-core = "{core}"
-"""
 
 
 class Flown(NamedTuple):
@@ -69,18 +55,7 @@ def flown(run: Run, tmp_path: Path) -> Callable[..., Flown]:
     """Run a motion through the Verilog of a design, and through the golden model as well."""
 
     def flown(motion: str, kind: str, samples: int, minors: int, core: str) -> Flown:
-        toml = tmp_path / "example.toml"
-        increments = kind == "increment"
-        text = DESIGN.format(
-            kind=kind,
-            samples=samples,
-            minors=minors,
-            core=core,
-            family="frequency-taylor" if increments else "filtered-rate",
-            gyro=1e-11 if increments else 1e-8,
-            accel=1e-9 if increments else 1e-6,
-        )
-        toml.write_text(text)
+        toml = fine_design_file(tmp_path, samples, minors, RATE, kind, core)
         log, truth, rtl, model, nav = (
             tmp_path / f"{name}.csv" for name in ("imu", "truth", "rtl", "model", "nav")
         )

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import scipy.io
 
+from fine_sensor import fine_design_file
 from sculler.history import HEADER, HistoryWriter
 from sculler.plots_truth import from_above
 from sculler.truth_file import BLOCK, read_truth
@@ -26,40 +27,10 @@ from sculler_model.navigation.earth import gravity, radii
 Run = Callable[..., Any]
 Refused = Callable[..., str]
 
-DESIGN = """
-name = "fine"
-[sensor]
-kind = "{kind}"
-sample_rate_hz = {rate}
-gyro = {{ bits = 32, lsb = {gyro} }}
-accel = {{ bits = 32, lsb = {accel} }}
-[algorithm]
-family = "{family}"
-samples = {samples}
-history = 0
-minors = {minors}
-"""
-
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("truth")
-
-
-def design(folder: Path, samples: int, minors: int, rate: float, kind: str = "increment") -> Path:
-    path = folder / f"{kind}_{samples}_{minors}_{rate:g}.toml"
-    increments = kind == "increment"
-    text = DESIGN.format(
-        kind=kind,
-        rate=rate,
-        samples=samples,
-        minors=minors,
-        family="frequency-taylor" if increments else "filtered-rate",
-        gyro=1e-11 if increments else 1e-8,
-        accel=1e-9 if increments else 1e-6,
-    )
-    path.write_text(text)
-    return path
 
 
 def flown(run: Run, folder: Path, name: str, toml: Path, *options: object) -> tuple[Path, Path]:
@@ -76,7 +47,7 @@ def flown(run: Run, folder: Path, name: str, toml: Path, *options: object) -> tu
 @pytest.fixture
 def turn(run: Run, folder: Path) -> tuple[Path, Path, Path]:
     """20 s of a coordinated turn at 100 Hz: design, vectors, truth at 20 Hz."""
-    toml = design(folder, 2, 5, 1000.0)
+    toml = fine_design_file(folder, 2, 5)
     return (toml, *flown(run, folder, "turn", toml, "--duration", 20, "--truth-every", 0.05))
 
 
@@ -227,7 +198,7 @@ def test_schuler_oscillation_over_three_hours(run: Run, tmp_path: Path, folder: 
     x'' + ω² x = -g θ cos Ωt with ω² = g/R, R the meridian's radius, and from rest
     x = -R θ (cos Ωt - cos ωt)/(1 - Ω²/ω²); nearly twice round in three hours.
     """
-    toml = design(folder, 2, 5, 10.0)
+    toml = fine_design_file(folder, 2, 5, rate=10.0)
     options = ("--duration", 10_800, "--lat", 0, "--truth-every", 10)
     vectors, truth = flown(run, folder, "rest", toml, *options)
     out = tmp_path / "nav.csv"

@@ -11,7 +11,7 @@ import pytest
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.vectors import AXES, COMPONENTS, VECTORS
-from sculler_sim import cache, testbench, verilator_build
+from sculler_sim import cache, verilator_build
 from strategies import DESIGNS
 
 
@@ -22,12 +22,6 @@ def _quick_compiler() -> Iterator[None]:
         flags = [flag for flag in verilator_build._CORE_FLAGS if not flag.startswith("-O")]
         patch.setattr(verilator_build, "_CORE_FLAGS", [*flags, "-O0"])
         yield
-
-
-@pytest.fixture
-def short_bench(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Test benches with a reset after some 50 samples and at least two major intervals then."""
-    monkeypatch.setattr(testbench, "_LEAST", ((1, 50), (2, 100)))
 
 
 @pytest.fixture(scope="session")

@@ -3,14 +3,16 @@
 Its Verilog in Verilator and its Amaranth design in Amaranth's simulator, generic target.
 """
 
-import numpy as np
 import pytest
 
-from rtl import check_files, check_trace, clocks_of_major, samples_of, write
+from rtl import (
+    anywhere_in_four_majors,
+    check_files,
+    check_resets,
+    check_trace,
+    clocks_of_major,
+)
 from sculler_hdl.core import timing
-from sculler_sim.compare import compare
-from sculler_sim.engine import simulate
-from sculler_sim.stimulus import Stimulus
 from strategies import DESIGNS, with_hardware
 
 pytestmark = pytest.mark.usefixtures("verilator")
@@ -44,19 +46,8 @@ def test_amaranth_gives_the_same_files_and_shows_on_every_clock_the_same(name, t
 
 @EACH_DESIGN
 def test_random_resets_and_stalls_give_the_cycle_models_results(design, tmp_path):
-    """Resets come while samples load, while the engine computes and while words wait."""
-    counts, faults = samples_of(design, 6 * design.samples_per_major + 20, seed=8)
-    major = clocks_of_major(design)
-    resets = np.random.default_rng(2).integers(0, 4 * major, 5).tolist()
-    stimulus = Stimulus.stalls(2, major).with_resets(3, 40, 41, *resets)
-    paths = [
-        write(
-            tmp_path / f"{engine}.csv",
-            simulate(design, [(counts, faults)], engine=engine, stimulus=stimulus),
-        )
-        for engine in ("model", "verilator")
-    ]
-    assert compare(*paths) is None
+    samples = 6 * design.samples_per_major + 20
+    check_resets(design, tmp_path, samples, anywhere_in_four_majors(design))
 
 
 @EACH_SERIAL

@@ -10,7 +10,14 @@ import numpy as np
 import pytest
 
 from position_designs import HIGH_RESOLUTION, furthest
-from rtl import check_trace, clocks_of_major, golden, samples_of
+from rtl import (
+    anywhere_in_four_majors,
+    check_resets,
+    check_trace,
+    clocks_of_major,
+    golden,
+    samples_of,
+)
 from sculler_sim.engine import simulate
 from sculler_sim.stimulus import Stimulus
 from strategies import TARGETS, with_hardware
@@ -65,23 +72,9 @@ def test_near_the_extremes_of_scrolling(design):
 
 
 @EACH
-def test_resets_and_stalls(design):
-    """Resets come while samples load, while the engine computes and while words wait."""
-    counts, _ = samples_of(design, 6 * design.samples_per_major + 20, seed=8)
-    major = clocks_of_major(design)
-    resets = np.random.default_rng(2).integers(0, 4 * major, 5).tolist()
-    stimulus = Stimulus.stalls(2, major).with_resets(3, 40, 41, *resets)
-    faults = np.zeros(len(counts), int)
-    model, verilator = (
-        [
-            row
-            for block in simulate(design, [(counts, faults)], engine=engine, stimulus=stimulus)
-            for row in block.rows()
-        ]
-        for engine in ("model", "verilator")
-    )
-    assert model == verilator
-    assert model
+def test_resets_and_stalls(design, tmp_path):
+    samples = 10 * design.samples_per_major + 20
+    check_resets(design, tmp_path, samples, anywhere_in_four_majors(design))
 
 
 @pytest.mark.parametrize("name", ["smallest_hr", "savage_hr", "taylor_2p1_hr"])

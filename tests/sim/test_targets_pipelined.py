@@ -16,9 +16,12 @@ EACH = {
     for name, on_target in on_targets(design, "pipelined").items()
 }
 
-pytestmark = pytest.mark.usefixtures("icarus", "short_bench")
+pytestmark = pytest.mark.usefixtures("icarus")
+
+SHORT = ((1, 50), (2, 100))
+"""A reset after some 50 samples, then at least two major intervals."""
 
 
 @pytest.mark.parametrize("design", EACH.values(), ids=EACH.keys())
 def test_the_bench_passes(design, tmp_path):
-    run_bench(design, tmp_path)
+    run_bench(design, tmp_path, SHORT)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from sculler_model.design import Design
     from sculler_model.motion import Motion
     from sculler_model.navigation import NavHistory
+    from sculler_model.navigation_errors import NavErrors
 
     Array = NDArray[np.float64]
 
@@ -67,6 +68,7 @@ def command(folder: Path, seconds: float, plots: bool, as_json: bool) -> int:
     from sculler_model.host import major_increments, uncorrected
     from sculler_model.motion import demo_motion
     from sculler_model.navigation import navigate
+    from sculler_model.navigation_errors import navigation_errors
     from sculler_sim.compare import compare
     from sculler_sim.files import make_folder, replacing
     from sculler_sim.stimulus import Stimulus
@@ -108,7 +110,9 @@ def command(folder: Path, seconds: float, plots: bool, as_json: bool) -> int:
         }
         twin = navigate(start, T, major_increments(design, modelled))
         truth = motion.state(twin.time)
-        errors = {name: _errors(estimate, truth) for name, estimate in estimates.items()}
+        errors = {
+            name: _sizes(navigation_errors(estimate, truth)) for name, estimate in estimates.items()
+        }
         for name, history in {"truth": truth, **estimates}.items():
             path = folder / f"nav_{name}.csv"
             with replacing(path) as temporary, HistoryWriter(temporary) as writer:
@@ -171,19 +175,17 @@ def _write_log(path: Path, design: Design, motion: Motion, samples: int) -> None
             writer.write(quantise(chunk))
 
 
-def _errors(estimate: NavHistory, truth: NavHistory) -> tuple[Array, Array, Array]:
+def _sizes(errors: NavErrors) -> tuple[Array, Array, Array]:
     """Sizes of the attitude (arcsec), velocity (m/s) and position (m) errors, (N,) each."""
     import numpy as np
 
-    from sculler.plots import local_metres
-    from sculler_model.navigation.rotation import conjugate, product
+    from sculler.against_truth import ARCSEC
 
-    w, x, y, z = product(tuple(estimate.q.T), conjugate(tuple(truth.q.T)))
-    angle = 2 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(w))
-    velocity = np.linalg.norm(estimate.v - truth.v, axis=1)
-    here, there = local_metres(estimate, truth), local_metres(truth, truth)
-    position = np.sqrt(sum((a - b) ** 2 for a, b in zip(here, there, strict=True)))
-    return np.degrees(angle) * 3600, velocity, position
+    attitude, velocity, position = (
+        np.linalg.norm(table, axis=1)
+        for table in (errors.attitude, errors.velocity, errors.position)
+    )
+    return ARCSEC * attitude, velocity, position
 
 
 def _same(a: NavHistory, b: NavHistory) -> bool:
