@@ -38,7 +38,16 @@ from sculler_hdl.parts.position import Position, Positioning
 from sculler_hdl.parts.running_sum import Running, RunningSum
 from sculler_hdl.parts.sequencer import Sequencer
 from sculler_hdl.parts.weighted_sum import Rows, WeightedSum, Weighting
-from sculler_hdl.parts.words import Arrival, FlagLine, Limbs, Word, at_once, last_clock, later
+from sculler_hdl.parts.words import (
+    Arrival,
+    FlagLine,
+    Limbs,
+    Word,
+    at_once,
+    evenly,
+    last_clock,
+    later,
+)
 from sculler_hdl.ports import port_members
 from sculler_hdl.target import TARGETS
 from sculler_model.coefficients import TapTable
@@ -49,9 +58,9 @@ from sculler_model.stream import words_per_column
 from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS
 from sculler_model.wordlength import Interval
 
-POSITION_CLOCK = Sequencer.latency + 1
-"""At which high-resolution position takes a sample in: a clock after the others, so that fewer read
-it at once."""
+MINOR_CLOCK = POSITION_CLOCK = Sequencer.latency + 1
+"""At which theta, v and high-resolution position take a sample: a clock after A and B, so that
+fewer parts read it at once."""
 LATENCY_GOAL = 24
 """Clocks from an interval's last sample to its result that sharing is not to pass."""
 POSITION_LATENCY_GOAL = 32
@@ -140,7 +149,7 @@ def plan(design: Design) -> Plan:
                     max(made.latency, goal),
                     made.fringe,
                     made.tiles,
-                    max(made.latency, next_end - 1),
+                    max(made.latency, 1.1 * next_end - 1),
                     -made.carry_clocks,
                     made.latency,
                 ),
@@ -164,19 +173,22 @@ def timing(design: Design) -> Timing:
 
 @lru_cache(maxsize=32)
 def _weightings(
-    design: Design, limb: Limbs
+    design: Design, carry_clocks: int
 ) -> tuple[Weighting, Weighting, Weighting | Running, Weighting | Running]:
     """A, B, theta and v."""
     words, table, n = design.words, design.table, design.algorithm.samples
+    target = TARGETS[design.hardware.target]
+
+    def weighting(counts: Interval, rows: Rows, result: Interval) -> Weighting:
+        return Weighting(counts, rows, result, n, evenly(result.bits, target.sample_bits))
+
     taps, weights = tap_rows(table), weight_rows(table)
-    A, B = (
-        Weighting(counts, taps, result, n, limb)
-        for counts, result in ((words.gyro, words.gyro_taps), (words.accel, words.accel_taps))
-    )
+    A = weighting(words.gyro, taps, words.gyro_taps)
+    B = weighting(words.accel, taps, words.accel_taps)
     theta, v = (
-        Running(counts, result, limb)
+        Running(counts, result, evenly(result.bits, target.carry_bits, carry_clocks))
         if weights[n - 1] == [(d, 1) for d in range(n)]
-        else Weighting(counts, weights, result, n, limb)
+        else weighting(counts, weights, result)
         for counts, result in ((words.gyro, words.theta), (words.accel, words.v))
     )
     return A, B, theta, v
@@ -206,13 +218,17 @@ class Stages:
     ) -> None:
         words, n = design.words, design.algorithm.samples
         target = TARGETS[design.hardware.target]
-        limb = Limbs(target.carry_bits, carry_clocks)
+
+        def limbs(*ranges: Interval) -> Limbs:
+            longest = max(range_.bits for range_ in ranges)
+            return evenly(longest, target.carry_bits, carry_clocks)
+
         self.sharing = (within, between, position)
         self.fringe = fringe
         self.carry_clocks = carry_clocks
 
-        self.gyro_taps, self.accel_taps, self.theta, self.v = _weightings(design, limb)
-        minor_arrivals = [later(part.arrival, Sequencer.latency) for part in (self.theta, self.v)]
+        self.gyro_taps, self.accel_taps, self.theta, self.v = _weightings(design, carry_clocks)
+        minor_arrivals = [later(part.arrival, MINOR_CLOCK) for part in (self.theta, self.v)]
 
         # alpha and nu before the last minor interval's, which is all the between products see
         self.integrals = {}
@@ -222,7 +238,9 @@ class Stages:
             ("nu", words.v, minor_arrivals[1], words.nu),
         ):
             before[name] = item.repeated(design.algorithm.minors - 1)
-            self.integrals[name] = Accumulation(item, arrival, total, limb, before[name], gap=n)
+            self.integrals[name] = Accumulation(
+                item, arrival, total, limbs(total), before[name], gap=n
+            )
 
         # the arrays, launched when the first limbs of their operands are there
         def operands(*items: tuple[Interval, Arrival]) -> tuple[int, list[Operand]]:
@@ -246,7 +264,7 @@ class Stages:
                 (words.coning_within, words.sculling_within),
                 within,
                 target,
-                limb,
+                limbs(words.coning_within, words.sculling_within),
                 fringe,
             )
         }
@@ -264,7 +282,7 @@ class Stages:
                 (words.coning_between, words.sculling_between),
                 between,
                 target,
-                limb,
+                limbs(words.coning_between, words.sculling_between),
                 fringe,
             )
 
@@ -277,8 +295,8 @@ class Stages:
                     later(arrival, self.launches[place]) for _, arrival in components
                 ]
         self.position: Positioning | None = None
-        if position is not None:
-            N = design.samples_per_major
+        if position is not None and words.scrolling is not None:
+            N, limb = design.samples_per_major, limbs(words.scrolling)
             self.position = _positioning(words, N, position, target, limb, fringe)
             for name, three in self.position.arrivals.items():
                 self.arrivals[name] = [later(arrival, POSITION_CLOCK) for arrival in three]
@@ -392,13 +410,13 @@ class PipelinedCore(wiring.Component):
 
         def of_minor(name: str, plan: Weighting | Running, sensor: str) -> list[Value]:
             if isinstance(plan, Weighting):
-                return weighted(name, plan, sensor, now)
+                return weighted(name, plan, sensor, MINOR_CLOCK)
             outputs: list[Value] = []
-            for axis, sample in zip(AXES, delayed(sensor, now), strict=True):
+            for axis, sample in zip(AXES, delayed(sensor, MINOR_CLOCK), strict=True):
                 m.submodules[f"{name}_{axis}"] = part = RunningSum(plan)
                 m.d.comb += [
-                    part.step.eq(flags["taken"].at(now)),
-                    part.last.eq(flags["minor_end"].at(now)),
+                    part.step.eq(flags["taken"].at(MINOR_CLOCK)),
+                    part.last.eq(flags["minor_end"].at(MINOR_CLOCK)),
                     part.sample.eq(sample),
                 ]
                 outputs.append(part.output)

@@ -1,5 +1,7 @@
 """The ports of every core, by name."""
 
+from typing import NamedTuple
+
 from amaranth import signed, unsigned
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
@@ -10,18 +12,55 @@ from sculler_model.stream import WORD_BITS
 from sculler_model.vectors import AXES
 
 
+class Port(NamedTuple):
+    """A port: its name, its width, and whether it holds a signed number."""
+
+    name: str
+    bits: int
+    signed: bool = False
+
+    @property
+    def shape(self) -> object:
+        """For Amaranth; a single bit is just that."""
+        if self.bits == 1:
+            return 1
+        return signed(self.bits) if self.signed else unsigned(self.bits)
+
+
+def sample_ports(design: Design) -> list[Port]:
+    """The ports that a sample stands on, in their order: the counts and the fault mark."""
+    counts = [
+        Port(f"sample_{sensor}_{axis}", getattr(design.words, sensor).bits, signed=True)
+        for sensor in ("gyro", "accel")
+        for axis in AXES
+    ]
+    return [*counts, Port("sample_fault", 1)]
+
+
+def component_ports(design: Design) -> list[Port]:
+    """The ports of a result's components, where all are shown at once."""
+    return [
+        Port(f"result_{vector}_{axis}", getattr(design.words, vector).bits, signed=True)
+        for vector in design.vectors
+        for axis in AXES
+    ]
+
+
+def result_ports(design: Design) -> list[Port]:
+    """The ports that a result, or a word of it, stands on, in their order."""
+    if design.hardware.handover == "stream":
+        return [Port("result_data", WORD_BITS), Port("result_last", 1)]
+    head = [Port("result_major", PORT_MAJOR_BITS), Port("result_status", 2)]
+    return [*head, *component_ports(design)]
+
+
 def port_members(design: Design) -> dict[str, wiring.Member]:
     """Ports of the design's core in the order they stand in the Verilog; `clk` and `rst` apart."""
-    words = design.words
-    members = {"sample_valid": In(1), "sample_ready": Out(1)}
-    for sensor in ("gyro", "accel"):
-        for axis in AXES:
-            members[f"sample_{sensor}_{axis}"] = In(signed(getattr(words, sensor).bits))
-    members |= {"sample_fault": In(1), "result_valid": Out(1), "result_ready": In(1)}
-    if design.hardware.handover == "stream":
-        return members | {"result_data": Out(unsigned(WORD_BITS)), "result_last": Out(1)}
-    members |= {"result_major": Out(unsigned(PORT_MAJOR_BITS)), "result_status": Out(2)}
-    for name in design.vectors:
-        for axis in AXES:
-            members[f"result_{name}_{axis}"] = Out(signed(getattr(words, name).bits))
-    return members
+    return {
+        "sample_valid": In(1),
+        "sample_ready": Out(1),
+        **{port.name: In(port.shape) for port in sample_ports(design)},
+        "result_valid": Out(1),
+        "result_ready": In(1),
+        **{port.name: Out(port.shape) for port in result_ports(design)},
+    }

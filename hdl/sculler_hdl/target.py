@@ -14,20 +14,22 @@ class Target:
         name: as in the design file's hardware.target.
         tile_bits: widths of the two signed operands of one multiplier block.
         carry_bits: longest addition that is done in one clock.
+        sample_bits: the same for multiples of a sample, whose bits each go to many adders.
     """
 
     name: str
     tile_bits: tuple[int, int]
     carry_bits: int
+    sample_bits: int
 
 
 TARGETS = {
     target.name: target
     for target in (
-        Target("generic", (18, 18), 64),
-        Target("ecp5", (18, 18), 20),
-        Target("ice40", (16, 16), 20),
-        Target("xilinx", (25, 18), 24),
+        Target("generic", (18, 18), 64, 64),
+        Target("ecp5", (18, 18), 42, 21),
+        Target("ice40", (16, 16), 20, 20),
+        Target("xilinx", (25, 18), 42, 24),
     )
 }
 """By the design file's name."""

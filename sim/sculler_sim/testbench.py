@@ -24,12 +24,12 @@ from string import Template
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.cycles import PORT_MAJOR_BITS, Timing
+from sculler_hdl.ports import Port, result_ports, sample_ports
+from sculler_model.cycles import Timing
 from sculler_model.design import Design
 from sculler_model.fast import run_fast
-from sculler_model.stream import WORD_BITS, to_words, words_per_result
+from sculler_model.stream import to_words, words_per_result
 from sculler_model.throughput import clocks_per_major
-from sculler_model.vectors import AXES
 from sculler_sim.files import make_folder, replacing
 
 _SEED = 2001
@@ -93,21 +93,12 @@ def testbench(
     first = run_fast(design, samples[:before, :6], samples[:before, 6])
     second = run_fast(design, samples[before:, :6], samples[before:, 6])  # after a reset
 
-    words = design.words
-    sample_ports = [
-        *(
-            (f"sample_{s}_{axis}", getattr(words, s).bits)
-            for s in ("gyro", "accel")
-            for axis in AXES
-        ),
-        ("sample_fault", 1),
-    ]
+    inputs, outputs = sample_ports(design), result_ports(design)
     stream = design.hardware.handover == "stream"
-    parts, result_ports = 1, _result_ports(design)
+    parts = words_per_result(design) if stream else 1
     expected: list[tuple[int, ...]] = [*first.rows(), *second.rows()]
     results = len(expected)
     if stream:
-        parts, result_ports = words_per_result(design), _STREAM_PORTS
         expected = [
             (word, int(i == parts))
             for row in expected
@@ -138,37 +129,25 @@ def testbench(
         + 2 * timing.startup
         + slowest_sample * len(samples)
         + slowest_result * results,
-        "sample_bits": sum(bits for _, bits in sample_ports),
-        "result_bits": sum(bits for _, bits in result_ports),
-        "declarations": "\n".join(_declarations(result_ports)),
-        "connections": ",\n".join(_connections(sample_ports, result_ports)),
-        "checks": "\n".join(_checks(result_ports)),
+        "sample_bits": sum(port.bits for port in inputs),
+        "result_bits": sum(port.bits for port in outputs),
+        "declarations": "\n".join(_declarations(outputs)),
+        "connections": ",\n".join(_connections(inputs, outputs)),
+        "checks": "\n".join(_checks(outputs)),
         "expected": _STREAM_LINE if stream else _PARALLEL_LINE,
     }
     return {
         f"{design.name}_tb.v": _fill("testbench.v.in", numbers),
-        f"{design.name}_samples.hex": packed_hex(samples.tolist(), sample_ports),
-        f"{design.name}_expected.hex": packed_hex(expected, result_ports),
+        f"{design.name}_samples.hex": packed_hex(samples.tolist(), inputs),
+        f"{design.name}_expected.hex": packed_hex(expected, outputs),
         "README.md": _fill("testbench.md.in", numbers),
     }
 
 
-_STREAM_PORTS = [("result_data", WORD_BITS), ("result_last", 1)]
 _STREAM_LINE = "one word of a result a line: `result_last` (top bit) and `result_data`"
 _PARALLEL_LINE = (
     "one result a line: the ports from `result_sculling_between_z` (top) to `result_major`"
 )
-
-
-def _result_ports(design: Design) -> list[tuple[str, int]]:
-    """Name and width of each result port of the parallel hand-over."""
-    words = design.words
-    vectors = [
-        (f"result_{vector}_{axis}", getattr(words, vector).bits)
-        for vector in design.vectors
-        for axis in AXES
-    ]
-    return [("result_major", PORT_MAJOR_BITS), ("result_status", 2), *vectors]
 
 
 def _samples(design: Design, count: int) -> NDArray[np.int64]:
@@ -193,49 +172,44 @@ def _fill(template: str, values: dict[str, object]) -> str:
     return _Template(text).substitute(values)
 
 
-def packed_hex(rows: Iterable[Iterable[int]], ports: Sequence[tuple[str, int]]) -> str:
+def packed_hex(rows: Iterable[Iterable[int]], ports: Sequence[Port]) -> str:
     """One packed word a line for $readmemh, the first port in the lowest bits."""
-    digits = -(-sum(bits for _, bits in ports) // 4)
+    digits = -(-sum(port.bits for port in ports) // 4)
     lines = []
     for row in rows:
         word = shift = 0
-        for value, (_, bits) in zip(row, ports, strict=True):
-            word |= (value & ((1 << bits) - 1)) << shift
-            shift += bits
+        for value, port in zip(row, ports, strict=True):
+            word |= (value & ((1 << port.bits) - 1)) << shift
+            shift += port.bits
         lines.append(f"{word:0{digits}x}\n")
     return "".join(lines)
 
 
-def _slices(ports: list[tuple[str, int]]) -> Iterator[tuple[str, int, str]]:
-    """Each port's name, width and place in the packed word."""
+def _slices(ports: list[Port]) -> Iterator[tuple[Port, str]]:
+    """Each port, and its place in the packed word."""
     low = 0
-    for name, bits in ports:
-        yield name, bits, f"[{low + bits - 1}:{low}]"
-        low += bits
+    for port in ports:
+        yield port, f"[{low + port.bits - 1}:{low}]"
+        low += port.bits
 
 
-_UNSIGNED = ("result_major", "result_status", "result_data", "result_last")
+def _declarations(ports: list[Port]) -> Iterator[str]:
+    for port, place in _slices(ports):
+        kind = "signed " if port.signed else ""
+        wanted = port.name.replace("result_", "want_")
+        yield f"  wire {kind}[{port.bits - 1}:0] {port.name};"
+        yield f"  wire {kind}[{port.bits - 1}:0] {wanted} = want{place};"
 
 
-def _declarations(ports: list[tuple[str, int]]) -> Iterator[str]:
-    for name, bits, place in _slices(ports):
-        kind = "" if name in _UNSIGNED else "signed "
-        wanted = name.replace("result_", "want_")
-        yield f"  wire {kind}[{bits - 1}:0] {name};"
-        yield f"  wire {kind}[{bits - 1}:0] {wanted} = want{place};"
+def _connections(inputs: list[Port], outputs: list[Port]) -> Iterator[str]:
+    for port, place in _slices(inputs):
+        yield f"    .{port.name}(sample{place})"
+    for port in outputs:
+        yield f"    .{port.name}({port.name})"
 
 
-def _connections(
-    sample_ports: list[tuple[str, int]], result_ports: list[tuple[str, int]]
-) -> Iterator[str]:
-    for name, _, place in _slices(sample_ports):
-        yield f"    .{name}(sample{place})"
-    for name, _ in result_ports:
-        yield f"    .{name}({name})"
-
-
-def _checks(ports: list[tuple[str, int]]) -> Iterator[str]:
-    for name, _ in ports:
+def _checks(ports: list[Port]) -> Iterator[str]:
+    for name in (port.name for port in ports):
         wanted = name.replace("result_", "want_")
         yield f"    end else if (want_valid && {name} !== {wanted}) begin"
         yield f'      $display("FAIL: result %0d, word %0d, {name}: %0d, expected %0d",'

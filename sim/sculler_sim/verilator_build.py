@@ -17,11 +17,11 @@ from pathlib import Path
 
 import sculler_hdl
 import sculler_model
+from sculler_hdl.ports import Port, component_ports, sample_ports
 from sculler_hdl.verilog import generate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
-from sculler_model.vectors import AXES
 from sculler_sim import cache
 from sculler_sim.files import replacing
 
@@ -191,17 +191,7 @@ def emitted(design: Design) -> dict[str, str]:
 
 def _harness(design: Design, wave: _Wave | None) -> str:
     """The harness, with this design's ports before it."""
-    words = design.words
-    counts = [
-        (f"sample_{sensor}_{axis}", getattr(words, sensor).bits)
-        for sensor in ("gyro", "accel")
-        for axis in AXES
-    ]
-    components = [
-        (f"result_{vector}_{axis}", getattr(words, vector).bits)
-        for vector in design.vectors
-        for axis in AXES
-    ]
+    *counts, _ = sample_ports(design)  # without the fault mark
     lines = [f"#define SCULLER_SAMPLES(X) {_each(counts)}"]
     if wave:
         lines += [f'#include "{wave.header}"', f"#define SCULLER_TRACE {wave.writer}"]
@@ -209,15 +199,15 @@ def _harness(design: Design, wave: _Wave | None) -> str:
         lines += [f"#define SCULLER_WORDS {words_per_result(design)}"]
     else:
         lines += [
-            f"#define SCULLER_RESULTS(X) {_each(components)}",
+            f"#define SCULLER_RESULTS(X) {_each(component_ports(design))}",
             f"#define SCULLER_LIMBS {limbs(design)}",
         ]
     code = resources.files("sculler_sim").joinpath("harness.cpp").read_text(encoding="utf-8")
     return "\n".join([*lines, code])
 
 
-def _each(members: list[tuple[str, int]]) -> str:
-    return " ".join(f"X({name}, {bits})" for name, bits in members)
+def _each(ports: list[Port]) -> str:
+    return " ".join(f"X({port.name}, {port.bits})" for port in ports)
 
 
 def _compile(

@@ -96,7 +96,7 @@ def test_every_design_takes_a_sample_a_clock(design, target):
 
 def test_latency_by_hand():
     """STIM300, generic, no skew: the clocks one after another as the core's figure has them."""
-    sample, running = 1, 2  # theta: a total, and what it has grown by
+    sample, running = 1 + 1, 2  # theta, a clock after A: a total, and what it has grown by
     held, block = 1, 3 + 1  # the block's own registers, and the way from it
     terms = 4  # sculling: 4 products of 4 blocks, 16 addends: 4 levels
     steps, accumulate, show = 2, 1, 1

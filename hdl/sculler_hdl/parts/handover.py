@@ -91,16 +91,17 @@ class HandOver(wiring.Component):
     def elaborate(self, platform: object) -> Module:
         m = Module()
         collector = _Collector(m, self.major_end, self.clock, self.arrivals)
-        show = collector.line.at(self.complete)
-        m.d.comb += self.taken.eq(self.valid & self.ready)
-        with m.If(self.taken):
-            m.d.sync += self.valid.eq(0)
-        with m.If(show):
-            m.d.sync += self.valid.eq(1)
-
-        major = _counter(m, self.major_end, PORT_MAJOR_BITS)
+        was_taken = Signal()
+        m.d.comb += [
+            self.taken.eq(self.valid & self.ready),
+            self.shown_major.eq(_counter(m, was_taken, PORT_MAJOR_BITS)),
+        ]
+        m.d.sync += [
+            was_taken.eq(self.taken),
+            self.valid.eq(collector.line.at(self.complete) | (self.valid & ~self.ready)),
+        ]
         with m.If(self.major_end):
-            m.d.sync += [self.shown_major.eq(major), self.shown_status.eq(self.status)]
+            m.d.sync += self.shown_status.eq(self.status)
         for name, axis, lo, _, pulse, bits in collector.pieces(self.input):
             with m.If(pulse):
                 m.d.sync += self.output[name][axis][lo : lo + len(bits)].eq(bits)
@@ -216,8 +217,8 @@ class StreamHandOver(wiring.Component):
 
 
 def _counter(m: Module, step: Value, bits: int) -> Value:
-    """A counter of `step`s, which have to be more clocks apart than it has limbs, plus one."""
-    limbs = [Signal(min(8, bits - lo), name=f"major_{lo}") for lo in range(0, bits, 8)]
+    """The number of `step`s; one changes its limbs of 16 bits in the clocks after, one by one."""
+    limbs = [Signal(min(16, bits - lo), name=f"major_{lo}") for lo in range(0, bits, 16)]
     for i, limb in enumerate(limbs):
         with m.If(step):
             m.d.sync += limb.eq(limb + 1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from amaranth import C, Cat, Module, Mux, Signal, Value
+from amaranth import C, Cat, Module, Signal, Value
 
 from sculler_hdl.parts.tile import Tile
 from sculler_hdl.parts.words import Addend, Arrival, Word, at_once, last_clock, spans
@@ -163,10 +163,11 @@ class Product:
                 row: list[Value] = []
                 for first, end, clock in spans(addend.arrival, low):
                     gate = word.window(bit, bit + 1, clock - 1)
-                    part = Signal(
-                        end - first, name=f"{name}_row{len(values)}_{first}", reset_less=True
-                    )
-                    m.d.sync += part.eq(Mux(gate, other.window(first, end, clock - 1), 0))
+                    bits, row_name = end - first, f"{name}_row{len(values)}_{first}"
+                    part = Signal(bits, name=row_name, reset_less=True)
+                    # not a Mux with 0: synthesis would make it a reset, one wire to all the row
+                    gated = other.window(first, end, clock - 1) & gate.replicate(bits)
+                    m.d.sync += part.eq(gated)
                     row.append(part)
                 values.append(Cat(*row))
         return values

@@ -96,7 +96,12 @@ class Weighting:
         self.distances = range(max(distances, default=1), self.newest - 1, -1)
         self.terms = {d: [term for term in terms if term.distance == d] for d in self.distances}
         self.products = {
-            d: Sum([self._addend(term) for term in terms], Interval.signed(self.bits(d)), limb)
+            d: Sum(
+                [self._addend(term) for term in terms],
+                Interval.signed(self.bits(d)),
+                limb,
+                inner_bits=result.bits,
+            )
             for d, terms in self.terms.items()
             if terms
         }

@@ -33,6 +33,12 @@ class Limbs(NamedTuple):
     clocks: int = 1
 
 
+def evenly(bits: int, most: int, clocks: int = 1) -> Limbs:
+    """The fewest limbs of at most so many bits that make up a word, all of one length."""
+    count = -(-bits // most)
+    return Limbs(-(-bits // count), clocks)
+
+
 Arrival = tuple[tuple[int, int], ...]
 """(width, clock) of consecutive bits, lowest first: when the bits of a word are there."""
 
@@ -101,9 +107,9 @@ class Word:
         self.value = value
         self.arrival = arrival
         self.low = low
-        self._made: dict[tuple[int, int, int, bool], Value] = {}
+        self._made: dict[tuple[int, int, int], Value] = {}
 
-    def window(self, lo: int, hi: int, clock: int, *, inverted: bool = False) -> Value:
+    def window(self, lo: int, hi: int, clock: int) -> Value:
         """Bits of weight 2^lo..2^(hi-1) at a clock: zeros below the word, its sign above.
 
         Raises:
@@ -112,30 +118,27 @@ class Word:
         top = self.low + len(self.value)
         parts: list[Value] = []
         if lo < min(hi, self.low):
-            zeros = min(hi, self.low) - lo
-            parts.append(C(-1 if inverted else 0, zeros))
+            parts.append(C(0, min(hi, self.low) - lo))
         for first, end, arrives in spans(self.arrival, self.low):
             begin, stop = max(first, lo), min(end, hi)
             if begin < stop:
-                parts.append(self._at(begin, stop, clock - arrives, inverted))
+                parts.append(self._at(begin, stop, clock - arrives))
         if hi > top:
-            sign = self._at(top - 1, top, clock - self.arrival[-1][1], inverted)
+            sign = self._at(top - 1, top, clock - self.arrival[-1][1])
             parts.append(sign.replicate(hi - max(lo, top)))
         return Cat(*parts)
 
-    def _at(self, lo: int, hi: int, clocks: int, inverted: bool) -> Value:
+    def _at(self, lo: int, hi: int, clocks: int) -> Value:
         if clocks < 0:
             raise ValueError(f"{self.name}: bits {lo}..{hi - 1} come {-clocks} clocks too late")
-        key = (lo, hi, clocks, inverted)
+        key = (lo, hi, clocks)
         if key not in self._made:
             if clocks == 0:
-                bits = self.value[lo - self.low : hi - self.low]
-                self._made[key] = ~bits if inverted else bits
+                self._made[key] = self.value[lo - self.low : hi - self.low]
             else:
-                before = self._at(lo, hi, clocks - 1, False)
-                kind = "not" if inverted else "later"
-                register = Signal(hi - lo, name=f"{self.name}_{kind}{clocks}_{lo}", reset_less=True)
-                self.m.d.sync += register.eq(~before if inverted else before)
+                before = self._at(lo, hi, clocks - 1)
+                register = Signal(hi - lo, name=f"{self.name}_later{clocks}_{lo}", reset_less=True)
+                self.m.d.sync += register.eq(before)
                 self._made[key] = register
         return self._made[key]
 
@@ -163,7 +166,7 @@ def add(
         clock: at which limb 0 is added.
         limb: how the sum is cut.
         subtract: the difference instead.
-        carry: added at the lowest bit where the operands meet.
+        carry: added, or if `subtract` taken away, at the lowest bit where the operands meet.
         step: the limb of q clocks later is taken only where step(q) is 1, else kept; it starts from
             0 and is reset.
             Without it a sum is taken at every clock.
@@ -174,24 +177,18 @@ def add(
     lower = left if subtract or left.low <= right.low else right
     pieces: list[Value] = []
     arrival: list[tuple[int, int]] = []
-    borrowing = subtract  # the lowest limb subtracts; the others add the inverted operand
     for q, first, end in limbs(top - low, limb):
         lo, hi, now = low + first, low + end, clock + q
         begin = min(max(lo, start), hi)
         bits = [lower.window(lo, begin, now)] if lo < begin else []
         more = int(begin < hi < top)  # a carry goes on
         if begin < hi:
-            width = hi - begin + more
-            x = left.window(begin, hi, now)
-            y = right.window(begin, hi, now, inverted=subtract and not borrowing)
-            if borrowing:
-                total = Cat(x, C(1, more)) - Cat(y, C(0, more))
-                borrowing = False
-            elif carry is None:
-                total = x + y
-            else:
-                total = (x + y)[:width] + carry
-            bits.append(total[:width])
+            x, y = left.window(begin, hi, now), right.window(begin, hi, now)
+            below = 0 if carry is None else 1  # a bit that makes it: 1 + carry, or 0 - carry
+            if carry is not None:
+                x, y = Cat(C(not subtract, 1), x), Cat(carry, y)
+            total = x - y if subtract else x + y
+            bits.append(total[below : below + hi - begin + more])
         piece = Signal(hi - lo + more, name=f"{name}_{q}", reset_less=step is None)
         if step is None:
             m.d.sync += piece.eq(Cat(*bits))
@@ -242,12 +239,15 @@ class Sum:
         addends: the terms.
         result: range of the sum.
         limb: how sums are cut.
+        inner_bits: of sums inside, if more, so that sums of other results can share them.
 
     Attributes:
         arrival: when the bits of the sum are there; a single positive term is the sum itself.
     """
 
-    def __init__(self, addends: Sequence[Addend], result: Interval, limb: Limbs) -> None:
+    def __init__(
+        self, addends: Sequence[Addend], result: Interval, limb: Limbs, inner_bits: int = 0
+    ) -> None:
         self.addends = list(addends)
         self.result = result
         self.limb = limb
@@ -269,7 +269,7 @@ class Sum:
                 ),
             )
             nodes.remove(second)
-            nodes.append(self._pair(first, second))
+            nodes.append(self._pair(first, second, inner_bits if nodes else 0))
         (root,) = nodes
         if root.addend.negative:
             zero = Addend(Interval(0, 0), at_once(1, root.ready), root.addend.low)
@@ -277,7 +277,7 @@ class Sum:
         self._root = root
         self.arrival = self._widened(root.addend)
 
-    def _pair(self, a: _Node, b: _Node) -> _Node:
+    def _pair(self, a: _Node, b: _Node, inner_bits: int = 0) -> _Node:
         if a.addend.negative and not b.addend.negative:
             a, b = b, a
         low = min(a.addend.low, b.addend.low)
@@ -288,7 +288,7 @@ class Sum:
             first_limb_clock(node.addend.arrival, self.limb, node.addend.low - low)
             for node in (a, b)
         )
-        bits = min(total.bits, self.result.bits - low)
+        bits = min(total.bits, max(self.result.bits, inner_bits) - low)
         arrival = tuple((hi - lo, ready + q) for q, lo, hi in limbs(bits, self.limb))
         self._sums += 1
         addend = Addend(total, arrival, low, a.addend.negative)

@@ -18,13 +18,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler_hdl.ports import result_ports, sample_ports
 from sculler_hdl.verilog import Generated
-from sculler_model.cycles import PORT_MAJOR_BITS
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
-from sculler_model.stream import WORD_BITS, from_words
-from sculler_model.vectors import AXES
+from sculler_model.stream import from_words
 from sculler_sim.place.devices import Family
 from sculler_sim.place.tools import YOSYS
 from sculler_sim.testbench import packed_hex
@@ -73,7 +72,7 @@ def simulate_netlist(
     rows = np.column_stack([counts, faults]).tolist()
     with tempfile.TemporaryDirectory(prefix="sculler-") as folder:
         work = Path(folder)
-        (work / "samples.hex").write_text(packed_hex(rows, _sample_ports(design)), encoding="ascii")
+        (work / "samples.hex").write_text(packed_hex(rows, sample_ports(design)), encoding="ascii")
         (work / "bench.v").write_text(
             _bench(design, generated, len(counts), results), encoding="ascii"
         )
@@ -134,52 +133,31 @@ def _random_samples(
     return counts.astype(np.int64), (rng.random(samples) < 0.02).astype(np.int64)
 
 
-def _sample_ports(design: Design) -> list[tuple[str, int]]:
-    ports = [
-        (f"sample_{sensor}_{axis}", getattr(design.words, sensor).bits)
-        for sensor in ("gyro", "accel")
-        for axis in AXES
-    ]
-    return [*ports, ("sample_fault", 1)]
-
-
-def _result_ports(design: Design) -> list[tuple[str, int]]:
-    if design.hardware.handover == "stream":
-        return [("result_data", WORD_BITS), ("result_last", 1)]
-    components = [
-        (f"result_{vector}_{axis}", getattr(design.words, vector).bits)
-        for vector in design.vectors
-        for axis in AXES
-    ]
-    return [("result_major", PORT_MAJOR_BITS), ("result_status", 2), *components]
-
-
 def _row(design: Design, text: str) -> tuple[int, ...]:
     """A result from what the bench printed: packed ports, or a stream's words."""
     if design.hardware.handover == "stream":
         return from_words(design, [int(word, 16) for word in text.split(",")])
     word = int(text, 16)
     row = []
-    for name, bits in _result_ports(design):
+    for _, bits, signed in result_ports(design):
         value = word & ((1 << bits) - 1)
         word >>= bits
-        signed = name not in ("result_major", "result_status")
         row.append(value - (1 << bits) if signed and value >> (bits - 1) else value)
     return tuple(row)
 
 
 def _bench(design: Design, generated: Generated, samples: int, results: int) -> str:
     """The test bench: prints a line `RESULT ...` for each result."""
-    inputs, outputs = _sample_ports(design), _result_ports(design)
+    inputs, outputs = sample_ports(design), result_ports(design)
     connections, declarations, low = [], [], 0
-    for name, bits in inputs:
+    for name, bits, _ in inputs:
         connections.append(f".{name}(samples[index][{low + bits - 1}:{low}])")
         low += bits
     width = low
-    for name, bits in outputs:
+    for name, bits, _ in outputs:
         declarations.append(f"  wire [{bits - 1}:0] {name};")
         connections.append(f".{name}({name})")
-    packed = ", ".join(name for name, _ in reversed(outputs))
+    packed = ", ".join(name for name, _, _ in reversed(outputs))
     if design.hardware.handover == "stream":
         show = 'if (words == 0) $write("RESULT %h", result_data);\n'
         show += '        else $write(",%h", result_data);\n'
