@@ -353,7 +353,7 @@ def test_accumulator(sums, signs, limb):
     assert stream(part, inputs, outputs, clock + 20, flags)["newest"] == after
 
 
-@pytest.mark.parametrize("gap", [1, 2, 3])
+@pytest.mark.parametrize("gap", [1, 2, 3, 4])
 def test_accumulator_shows_the_sum_before(gap):
     item = Interval(-10, 10)
     plan = Accumulation(
@@ -363,7 +363,10 @@ def test_accumulator_shows_the_sum_before(gap):
     steps = range(0, 30 * gap, gap)
     values = {t: (7 * t) % 21 - 10 for t in steps}
     before = {t: sum(values[i] for i in steps if t - t % (5 * gap) <= i < t) for t in steps}
-    flags = [(part.step, set(steps)), (part.last, set(steps[4::5]))]
+    flags = [
+        (signal, {t + plan.clock for t in at})
+        for signal, at in ((part.step, steps), (part.last, steps[4::5]))
+    ]
     outputs = {"before": (part.before, plan.before_arrival, steps)}
     inputs = [(part.input, (plan.item_arrival, values))]
     assert stream(part, inputs, outputs, 30 * gap + 10, flags)["before"] == before

@@ -32,6 +32,7 @@ class Accumulation:
 
     Attributes:
         clock: at which `step` is looked at.
+        early: clocks before a step at which the sum it adds to is there.
         arrival: when the bits of `newest` are there.
         before_arrival: when the bits of `before` are there.
     """
@@ -57,12 +58,14 @@ class Accumulation:
         self.sums = sums
         self.gap = gap
         self.signs = signs
-        self.clock = first_limb_clock(arrival, limb)
+        # where steps are far apart the adder is given registers of its own before it
+        self.early = int(sums == 1 and gap > 2)
+        self.clock = first_limb_clock(arrival, limb) + self.early
         bits = [(hi - lo, q) for q, lo, hi in limbs(total.bits, limb)]
         self.arrival: Arrival = tuple((width, self.clock + q + 1) for width, q in bits)
         self.before = before or total
         self.before_arrival: Arrival = tuple(
-            (hi - lo, self.clock + q) for q, lo, hi in limbs(self.before.bits, limb)
+            (hi - lo, self.clock - self.early + q) for q, lo, hi in limbs(self.before.bits, limb)
         )
 
 
@@ -121,7 +124,7 @@ class Accumulator(wiring.Component):
                 m.d.sync += register.eq(present)
                 present = register
             before.append(present)
-        found = Word(m, "before", Cat(*before), later(plan.arrival, -1))
+        found = Word(m, "before", Cat(*before), later(plan.arrival, -1 - plan.early))
         made = add(
             found,
             Word(m, "input", self.input, plan.item_arrival),
