@@ -26,6 +26,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise, product
+from typing import NamedTuple
 
 from amaranth import Module, Mux, Signal, Value
 from amaranth.lib import wiring
@@ -66,6 +67,22 @@ LATENCY_GOAL = 24
 POSITION_LATENCY_GOAL = 32
 """The same with high-resolution position, whose operands stand behind more additions."""
 
+
+class Pace(NamedTuple):
+    """How much time additions are given.
+
+    Attributes:
+        carry_clocks: that a carry has from one limb of a sum to the next.
+        short_multiples: whether A and B, sums of multiples of samples, are cut into short limbs
+            (the target's `sample_bits`).
+    """
+
+    carry_clocks: int
+    short_multiples: bool
+
+
+PACES = (Pace(1, False), Pace(2, False), Pace(2, True))
+
 # the ways that `plan` compares have many of these in common
 _crossing = lru_cache(maxsize=256)(Crossing)
 _positioning = lru_cache(maxsize=64)(Positioning)
@@ -97,7 +114,7 @@ class Plan:
         within, between, position: how the arrays are shared; None where there is no between array
             (M = 1), no high-resolution position.
         fringe: most low bits of an operand that are multiplied without a block.
-        carry_clocks: that a carry has from one limb of a sum to the next.
+        pace: how much time additions are given.
         tiles: multiplier blocks.
         units: product units, of one or several blocks each.
         latency: clocks from an interval's last sample to its result.
@@ -108,7 +125,7 @@ class Plan:
     between: Sharing | None
     position: Sharing | None
     fringe: int
-    carry_clocks: int
+    pace: Pace
     tiles: int
     units: int
     latency: int
@@ -121,21 +138,22 @@ def plan(design: Design) -> Plan:
     Of the ways that keep the samples' pace, those within the latency goal are preferred, of them
     the ones that do little without multiplier blocks, of them the ones with fewest blocks, of them
     those whose result is there before the next interval's last sample comes, which then need not
-    wait, of them the one that gives carries most time.
+    wait (or not for more than a tenth of the interval, if carries then have two clocks), of them
+    the one that gives additions most time.
 
     Raises:
         InputError: `hardware.multipliers` are too few for any sharing.
     """
     table, budget = design.table, design.hardware.multipliers
     goal = POSITION_LATENCY_GOAL if design.high_resolution else LATENCY_GOAL
-    ways: dict[tuple[Sharing, Sharing | None, Sharing | None, int, int], Plan] = {}
+    ways: dict[tuple[Sharing, Sharing | None, Sharing | None, int, Pace], Plan] = {}
     for spacing in range(1, SHARINGS[-1].steps + 1):
         pace = launch_gap(table) * spacing, table.samples * spacing
         betweens = SHARINGS if design.algorithm.minors > 1 else [None]
         # launched at every sample, so it has the sample's clocks and no reason to take fewer
         position = [sharing for sharing in SHARINGS if sharing.steps <= spacing][-1:]
         positions = position if design.high_resolution else [None]
-        for way in product(SHARINGS, betweens, positions, FRINGES, (1, 2)):
+        for way in product(SHARINGS, betweens, positions, FRINGES, PACES):
             within, between, *_ = way
             slow = within.steps > pace[0] or (between and between.steps > pace[1])
             if not slow and way not in ways:
@@ -150,7 +168,9 @@ def plan(design: Design) -> Plan:
                     made.fringe,
                     made.tiles,
                     max(made.latency, 1.1 * next_end - 1),
-                    -made.carry_clocks,
+                    -made.pace.carry_clocks,
+                    max(made.latency, next_end - 1),
+                    -made.pace.short_multiples,
                     made.latency,
                 ),
             )
@@ -173,20 +193,21 @@ def timing(design: Design) -> Timing:
 
 @lru_cache(maxsize=32)
 def _weightings(
-    design: Design, carry_clocks: int
+    design: Design, pace: Pace
 ) -> tuple[Weighting, Weighting, Weighting | Running, Weighting | Running]:
     """A, B, theta and v."""
     words, table, n = design.words, design.table, design.algorithm.samples
     target = TARGETS[design.hardware.target]
 
     def weighting(counts: Interval, rows: Rows, result: Interval) -> Weighting:
-        return Weighting(counts, rows, result, n, evenly(result.bits, target.sample_bits))
+        most = target.sample_bits if pace.short_multiples else target.carry_bits
+        return Weighting(counts, rows, result, n, evenly(result.bits, most, pace.carry_clocks))
 
     taps, weights = tap_rows(table), weight_rows(table)
     A = weighting(words.gyro, taps, words.gyro_taps)
     B = weighting(words.accel, taps, words.accel_taps)
     theta, v = (
-        Running(counts, result, evenly(result.bits, target.carry_bits, carry_clocks))
+        Running(counts, result, evenly(result.bits, target.carry_bits, pace.carry_clocks))
         if weights[n - 1] == [(d, 1) for d in range(n)]
         else weighting(counts, weights, result)
         for counts, result in ((words.gyro, words.theta), (words.accel, words.v))
@@ -201,7 +222,7 @@ class Stages:
         design: the design.
         within, between, position: sharing of the arrays.
         fringe: most low bits of an operand that are multiplied without a block.
-        carry_clocks: that a carry has from one limb of a sum to the next.
+        pace: how much time additions are given.
 
     Attributes:
         arrivals: for each vector of the result, when the bits of its components are there.
@@ -214,20 +235,20 @@ class Stages:
         between: Sharing | None,
         position: Sharing | None,
         fringe: int,
-        carry_clocks: int,
+        pace: Pace,
     ) -> None:
         words, n = design.words, design.algorithm.samples
         target = TARGETS[design.hardware.target]
 
         def limbs(*ranges: Interval) -> Limbs:
             longest = max(range_.bits for range_ in ranges)
-            return evenly(longest, target.carry_bits, carry_clocks)
+            return evenly(longest, target.carry_bits, pace.carry_clocks)
 
         self.sharing = (within, between, position)
         self.fringe = fringe
-        self.carry_clocks = carry_clocks
+        self.pace = pace
 
-        self.gyro_taps, self.accel_taps, self.theta, self.v = _weightings(design, carry_clocks)
+        self.gyro_taps, self.accel_taps, self.theta, self.v = _weightings(design, pace)
         minor_arrivals = [later(part.arrival, MINOR_CLOCK) for part in (self.theta, self.v)]
 
         # alpha and nu before the last minor interval's, which is all the between products see
@@ -311,7 +332,7 @@ class Stages:
             between=between,
             position=position,
             fringe=self.fringe,
-            carry_clocks=self.carry_clocks,
+            pace=self.pace,
             tiles=tiles + (self.position.tiles if self.position else 0),
             units=sum(sharing.units for sharing in self.sharing if sharing is not None),
             latency=complete_clock(self.arrivals) + HandOver.latency,
@@ -351,7 +372,7 @@ class PipelinedCore(wiring.Component):
         self.plan = plan(design)
         made = self.plan
         self.stages = Stages(
-            design, made.within, made.between, made.position, made.fringe, made.carry_clocks
+            design, made.within, made.between, made.position, made.fringe, made.pace
         )
         self.sequencer = Sequencer(design, self.plan.spacing)
         self.handover: HandOver | StreamHandOver
@@ -397,13 +418,13 @@ class PipelinedCore(wiring.Component):
         def delayed(sensor: str, clock: int) -> list[Value]:
             return [word.window(0, len(word.value), clock) for word in samples[sensor]]
 
+        phase = Word(m, "phase", sequencer.phase, at_once(len(sequencer.phase), now))
+
         def weighted(name: str, weighting: Weighting, sensor: str, clock: int) -> list[Value]:
             m.submodules[name] = part = WeightedSum(weighting)
-            phase = Word(m, f"{name}_phase", sequencer.phase, at_once(len(sequencer.phase), now))
-            m.d.comb += [
-                part.step.eq(flags["taken"].at(clock)),
-                part.phase.eq(phase.window(0, len(phase.value), clock)),
-            ]
+            m.d.comb += part.step.eq(flags["taken"].at(clock))
+            if weighting.is_gated:
+                m.d.comb += part.phase.eq(phase.window(0, len(phase.value), clock))
             for i, sample in enumerate(delayed(sensor, clock)):
                 m.d.comb += part.samples[i].eq(sample)
             return [Value.cast(part.output[i]) for i in range(3)]

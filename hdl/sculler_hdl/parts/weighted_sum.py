@@ -96,12 +96,7 @@ class Weighting:
         self.distances = range(max(distances, default=1), self.newest - 1, -1)
         self.terms = {d: [term for term in terms if term.distance == d] for d in self.distances}
         self.products = {
-            d: Sum(
-                [self._addend(term) for term in terms],
-                Interval.signed(self.bits(d)),
-                limb,
-                inner_bits=result.bits,
-            )
+            d: Sum([self._addend(term) for term in terms], Interval.signed(self.bits(d)), limb)
             for d, terms in self.terms.items()
             if terms
         }
@@ -111,6 +106,11 @@ class Weighting:
         self.arrival: Arrival = tuple(
             (hi - lo, shown + q) for q, lo, hi in limbs(result.bits, limb)
         )
+
+    @property
+    def is_gated(self) -> bool:
+        """Whether it makes a difference in which phase a sample comes."""
+        return any(self.gate(term) is not None for terms in self.terms.values() for term in terms)
 
     def gate(self, term: Term) -> tuple[int, ...] | None:
         """The phases of a sample that the term takes up; None if it may take all."""
@@ -150,7 +150,7 @@ class WeightedSum(wiring.Component):
 
     Members:
         step (clock 0): a sample stands on `samples`.
-        phase (clock 0): the sample's phase, 0..n-1.
+        phase (clock 0): the sample's phase, 0..n-1; not looked at unless `plan.is_gated`.
         samples (clock 0): the newest sample, three axes.
         output: the sum that belongs to the sample, for each sample in turn, as `plan.arrival` says.
 
@@ -188,15 +188,16 @@ class WeightedSum(wiring.Component):
                 m.d.sync += register.eq(Mux(is_open, sample, 0))
                 gated[gate] = register
             total: Word | None = None
+            products: dict[int, Word] = {}
             shared: dict[Hashable, Word] = {}
+            for d in sorted(plan.products):  # the widest first, for the others to share its sums
+                gates_of = [plan.gate(term) for term in plan.terms[d]]
+                taken = [sample if gate is None else gated[gate] for gate in gates_of]
+                products[d] = plan.products[d].build(m, f"product{d}_{axis}", taken, shared)
             for d in plan.distances:
                 bits = plan.bits(d)
                 nothing = Word(m, "nothing", C(0, 0), (), low=bits)
-                product = nothing
-                if d in plan.products:
-                    gates_of = [plan.gate(term) for term in plan.terms[d]]
-                    taken = [sample if gate is None else gated[gate] for gate in gates_of]
-                    product = plan.products[d].build(m, f"product{d}_{axis}", taken, shared)
+                product = products.get(d, nothing)
                 moved = add(
                     total or nothing,
                     product,

@@ -188,6 +188,9 @@ def add(
             if carry is not None:
                 x, y = Cat(C(not subtract, 1), x), Cat(carry, y)
             total = x - y if subtract else x + y
+            if below:  # linters let pass what is called unused
+                total, made = Signal(total.shape(), name=f"{name}_{q}_unused_below"), total
+                m.d.comb += total.eq(made)
             bits.append(total[below : below + hi - begin + more])
         piece = Signal(hi - lo + more, name=f"{name}_{q}", reset_less=step is None)
         if step is None:
@@ -239,15 +242,12 @@ class Sum:
         addends: the terms.
         result: range of the sum.
         limb: how sums are cut.
-        inner_bits: of sums inside, if more, so that sums of other results can share them.
 
     Attributes:
         arrival: when the bits of the sum are there; a single positive term is the sum itself.
     """
 
-    def __init__(
-        self, addends: Sequence[Addend], result: Interval, limb: Limbs, inner_bits: int = 0
-    ) -> None:
+    def __init__(self, addends: Sequence[Addend], result: Interval, limb: Limbs) -> None:
         self.addends = list(addends)
         self.result = result
         self.limb = limb
@@ -269,7 +269,7 @@ class Sum:
                 ),
             )
             nodes.remove(second)
-            nodes.append(self._pair(first, second, inner_bits if nodes else 0))
+            nodes.append(self._pair(first, second))
         (root,) = nodes
         if root.addend.negative:
             zero = Addend(Interval(0, 0), at_once(1, root.ready), root.addend.low)
@@ -277,7 +277,7 @@ class Sum:
         self._root = root
         self.arrival = self._widened(root.addend)
 
-    def _pair(self, a: _Node, b: _Node, inner_bits: int = 0) -> _Node:
+    def _pair(self, a: _Node, b: _Node) -> _Node:
         if a.addend.negative and not b.addend.negative:
             a, b = b, a
         low = min(a.addend.low, b.addend.low)
@@ -288,7 +288,7 @@ class Sum:
             first_limb_clock(node.addend.arrival, self.limb, node.addend.low - low)
             for node in (a, b)
         )
-        bits = min(total.bits, max(self.result.bits, inner_bits) - low)
+        bits = min(total.bits, self.result.bits - low)
         arrival = tuple((hi - lo, ready + q) for q, lo, hi in limbs(bits, self.limb))
         self._sums += 1
         addend = Addend(total, arrival, low, a.addend.negative)
@@ -323,7 +323,7 @@ class Sum:
             name: for the registers.
             terms: the bits of the addends.
             shared: sums of the same terms that other sums of the module have built, to be used
-                again, shifted; those built now are added.
+                again, shifted, if they are wide enough; those built now are added.
         """
         root = self._build(m, name, self._root, terms, {} if shared is None else shared)
         parts = [
@@ -344,21 +344,21 @@ class Sum:
         if node.parts is None:
             term = C(0, 1) if node.order < 0 else terms[node.order]
             return Word(m, f"{name}_term{node.order}", term, addend.arrival, addend.low)
-        key = self._key(node, terms)
-        if key not in shared:
+        key, bits = self._key(node, terms), sum(width for width, _ in addend.arrival)
+        if key not in shared or len(shared[key].value) < bits:
             left, right = (self._build(m, name, part, terms, shared) for part in node.parts)
             signs = {part.addend.negative for part in node.parts}
             shared[key] = add(
                 left,
                 right,
                 f"{name}_sum{node.order}",
-                addend.low + sum(bits for bits, _ in addend.arrival),
+                addend.low + bits,
                 node.ready - 1,
                 self.limb,
                 subtract=len(signs) == 2,
             )
-        made = shared[key]
-        return Word(m, f"{name}_sum{node.order}", made.value, made.arrival, addend.low)
+        made = shared[key].value[:bits]
+        return Word(m, f"{name}_sum{node.order}", made, addend.arrival, addend.low)
 
     def _key(self, node: _Node, terms: Sequence[Value]) -> Hashable:
         """What the node's bits are, whatever they weigh."""
@@ -366,7 +366,7 @@ class Sum:
             return None if node.order < 0 else id(terms[node.order]), node.addend.arrival
         subtracts = len({part.addend.negative for part in node.parts}) == 2
         parts = [(self._key(part, terms), part.addend.low - node.addend.low) for part in node.parts]
-        return subtracts, node.addend.arrival, *parts
+        return subtracts, node.ready, *parts
 
 
 class FlagLine:
