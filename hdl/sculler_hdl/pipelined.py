@@ -82,6 +82,7 @@ class Pace(NamedTuple):
 
 
 PACES = (Pace(1, False), Pace(2, False), Pace(2, True))
+"""The choices."""
 
 # the ways that `plan` compares have many of these in common
 _crossing = lru_cache(maxsize=256)(Crossing)

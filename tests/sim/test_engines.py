@@ -8,11 +8,11 @@ import pytest
 from rtl import golden, in_chunks, samples_of, write
 from sculler_hdl.core import timing
 from sculler_model.blocks import VectorBlock
-from sculler_model.fast import FastModel
+from sculler_model.fast import FastModel, run_fast
 from sculler_sim.compare import compare
 from sculler_sim.engine import simulate, trace
 from sculler_sim.stimulus import Stimulus
-from strategies import DESIGNS
+from strategies import DESIGNS, with_hardware
 
 pytestmark = pytest.mark.usefixtures("verilator")
 
@@ -67,6 +67,17 @@ def test_a_million_samples_on_the_default_design(tmp_path):
     assert run.progress.results == 50_000
     # one sample a clock, and after the last one the latency and the clock that takes its result
     assert run.progress.clocks == 1_000_000 + timing(design).latency
+
+
+@pytest.mark.parametrize("handover", ["parallel", "stream"])
+def test_the_number_of_a_result_goes_on_past_16_bits(handover):
+    """The core counts results 16 bits at a time."""
+    design = with_hardware(DESIGNS["smallest"], handover=handover)
+    counts, faults = samples_of(design, 65_540 * design.samples_per_major, seed=2)
+    run = simulate(design, in_chunks(counts, faults, 1 << 16))
+    found = VectorBlock.concatenate(list(run))
+    assert list(found.rows()) == list(run_fast(design, counts, faults).rows())
+    assert found.major[-1] == 65_539
 
 
 def test_long_runs_under_stalls_take_the_clocks_the_model_says():

@@ -217,7 +217,10 @@ class StreamHandOver(wiring.Component):
 
 
 def _counter(m: Module, step: Value, bits: int) -> Value:
-    """The number of `step`s; one changes its limbs of 16 bits in the clocks after, one by one."""
+    """The number of `step`s, which have to be two clocks apart or more.
+
+    Its limbs of 16 bits change one by one: it is right a clock for each of them after a step.
+    """
     limbs = [Signal(min(16, bits - lo), name=f"major_{lo}") for lo in range(0, bits, 16)]
     for i, limb in enumerate(limbs):
         with m.If(step):
