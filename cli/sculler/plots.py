@@ -181,7 +181,10 @@ _PAIR = (BLUE, VERMILION)  # the corrected navigator, the uncorrected
 
 
 def error_picture(path: Path, time: Array, errors: Errors) -> None:
-    """Errors against truth on a logarithmic scale, one navigator beside the other."""
+    """Errors against truth on a logarithmic scale, one navigator beside the other.
+
+    The first instant is left out: it is the start, taken from the truth, and shows rounding only.
+    """
     quantities = (
         ("Attitude error", "arcsec"),
         ("Velocity error", "m/s"),
@@ -192,7 +195,7 @@ def error_picture(path: Path, time: Array, errors: Errors) -> None:
         for row, ((title, unit), axes) in enumerate(zip(quantities, panels, strict=True)):
             for (name, series), colour in zip(errors.items(), _PAIR, strict=True):
                 shown = np.where(series[row] > 0, series[row], np.nan)
-                axes.semilogy(time, shown, color=colour, label=name)
+                axes.semilogy(time[1:], shown[1:], color=colour, label=name)
                 axes.annotate(
                     f"{three_digits(float(series[row][-1]))} {unit}",
                     (float(time[-1]), float(series[row][-1])),
