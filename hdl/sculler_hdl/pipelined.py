@@ -323,6 +323,16 @@ class Stages:
             for name, three in self.position.arrivals.items():
                 self.arrivals[name] = [later(arrival, POSITION_CLOCK) for arrival in three]
 
+    @property
+    def blocks(self) -> list[list[str]]:
+        """The arrays' multiplier blocks (`Crossing.blocks`): names of submodules of the core."""
+        found = [
+            [f"{place}.{name}" for name in array.blocks] for place, array in self.arrays.items()
+        ]
+        if self.position is not None:
+            found.append([f"position.scrolling.{name}" for name in self.position.crossing.blocks])
+        return found
+
     def plan(self, spacing: int) -> Plan:
         """The plan with these parts."""
         within, between, position = self.sharing
@@ -385,7 +395,11 @@ class PipelinedCore(wiring.Component):
         else:
             self.handover = HandOver(design.words, arrivals, status_clock)
         self.timing = timing(design)
-        self.resources = {"multipliers": self.plan.tiles, "product_units": self.plan.units}
+        self.resources = {
+            "multipliers": self.plan.tiles,
+            "product_units": self.plan.units,
+            "blocks": self.stages.blocks,
+        }
         self.listing = None
         super().__init__(port_members(design))
 

@@ -188,11 +188,35 @@ class Crossing:
                 for axis in range(3)
             ]
 
+    def unit_name(self, pair: int, lane: int, number: int) -> str:
+        """The name of a unit's parts; `number` is its side, or 0 if sides take turns."""
+        return f"unit{pair}_{AXES[lane]}{number}"
+
+    @property
+    def blocks(self) -> list[str]:
+        """The array's multiplier blocks, those next to each other whose products are added first.
+
+        Names of submodules.
+        """
+        found: dict[str, None] = {}
+        for lane in range(self.lanes):
+            for total, added in self.sums.items():
+                terms: list[str | None] = []
+                for pair in self.pairs_of(total):
+                    product = self.products[pair]
+                    for number in range(self.sides):
+                        terms += product.block_names(self.unit_name(pair, lane, number))
+                        terms += [None] * product.rows
+                found |= {block: None for i in added.order if (block := terms[i]) is not None}
+        return list(found)
+
+    def pairs_of(self, total: str) -> Sequence[int]:
+        """The pairs of operands whose products a step forms for a total."""
+        return (0,) if self.sharing.crosses == 3 else self.form.totals[total]
+
     def products_of(self, total: str) -> list[Product]:
         """The products that a step forms for a total, each once or on both sides."""
-        if self.sharing.crosses == 3:
-            return self.products
-        return [self.products[cross] for cross in self.form.totals[total]]
+        return [self.products[pair] for pair in self.pairs_of(total)]
 
     def steps_of(self, total: str) -> list[int]:
         """The steps that add to a total."""
@@ -309,15 +333,15 @@ class CrossArray(wiring.Component):
                     right = seen("right", pair, b, a, lane)
                     found += product.build(
                         m,
-                        f"unit{pair}_{AXES[lane]}{number}",
+                        plan.unit_name(pair, lane, number),
                         left,
                         right,
                         primitive=self.primitive,
                     )
                 values.append(found)
             built: dict[tuple[int, ...], Word] = {}
-            for name, crosses in plan.form.totals.items():
-                mine = crosses if plan.sharing.crosses == 1 else (0,)
+            for name in plan.form.totals:
+                mine = tuple(plan.pairs_of(name))
                 if mine not in built:
                     terms = [value for pair in mine for value in values[pair]]
                     built[mine] = plan.sums[name].build(m, f"{name}_{AXES[lane]}", terms)

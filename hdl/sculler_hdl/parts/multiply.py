@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 from amaranth import C, Cat, Module, Signal, Value
 
@@ -134,26 +135,32 @@ class Product:
             if end > low
         )
 
+    def block_names(self, name: str) -> list[str]:
+        """Names of the submodules that `build` makes for the addends that come from blocks."""
+        _, left, right = self._choice
+        pieces = product(range(len(left.pieces)), range(len(right.pieces)))
+        return [f"{name}_tile{i}{j}" for i, j in pieces]
+
     def build(
         self, m: Module, name: str, left: Word, right: Word, *, primitive: bool
     ) -> list[Value]:
         """Put the blocks and rows into a module; the values of the addends."""
         turned, left_cut, right_cut = self._choice
         values: list[Value] = []
-        for i, a in enumerate(left_cut.pieces):
-            for j, b in enumerate(right_cut.pieces):
-                clock = self._tile_clock(a, b)
-                first, second = _operand(left, *a, clock), _operand(right, *b, clock)
-                if turned:
-                    first, second = second, first
-                bits = self.addends[len(values)].range.bits
-                tile = Tile(self.target, len(first), len(second), bits, primitive=primitive)
-                m.submodules[f"{name}_tile{i}{j}"] = tile
-                m.d.comb += [tile.left.eq(first), tile.right.eq(second)]
-                # the block may stand far from the adder: the way there has a clock of its own
-                behind = Signal.like(tile.output, name=f"{name}_block{i}{j}", reset_less=True)
-                m.d.sync += behind.eq(tile.output)
-                values.append(behind)
+        pieces = product(left_cut.pieces, right_cut.pieces)
+        for block, (a, b) in zip(self.block_names(name), pieces, strict=True):
+            clock = self._tile_clock(a, b)
+            first, second = _operand(left, *a, clock), _operand(right, *b, clock)
+            if turned:
+                first, second = second, first
+            bits = self.addends[len(values)].range.bits
+            tile = Tile(self.target, len(first), len(second), bits, primitive=primitive)
+            m.submodules[block] = tile
+            m.d.comb += [tile.left.eq(first), tile.right.eq(second)]
+            # the block may stand far from the adder: the way there has a clock of its own
+            behind = Signal.like(tile.output, name=f"{block}_product", reset_less=True)
+            m.d.sync += behind.eq(tile.output)
+            values.append(behind)
         for word, other, low, fringe in (
             (left, right, 0, left_cut.fringe),
             (right, left, left_cut.fringe, right_cut.fringe),

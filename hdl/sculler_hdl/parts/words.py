@@ -277,6 +277,17 @@ class Sum:
         self._root = root
         self.arrival = self._widened(root.addend)
 
+    @property
+    def order(self) -> list[int]:
+        """The terms' numbers, those next to each other that are added first."""
+
+        def terms(node: _Node) -> list[int]:
+            if node.parts is None:
+                return [node.order] if node.order >= 0 else []
+            return [number for part in node.parts for number in terms(part)]
+
+        return terms(self._root)
+
     def _pair(self, a: _Node, b: _Node) -> _Node:
         if a.addend.negative and not b.addend.negative:
             a, b = b, a

@@ -22,6 +22,7 @@ from sculler_sim.files import replacing
 from sculler_sim.place import nextpnr
 from sculler_sim.place.blocks import Limit, limits
 from sculler_sim.place.devices import DEVICES, FAMILY_NAMES, Device, Family
+from sculler_sim.place.floorplan import fix_blocks
 from sculler_sim.place.nextpnr import Routed, Usage, WorstPath
 from sculler_sim.place.synthesis import Names, Synthesis, synthesise
 from sculler_sim.place.tools import NEXTPNR, YOSYS
@@ -243,7 +244,11 @@ class Placer:
         def run() -> dict[str, Any]:
             made = self.synthesis
             register = Names(made.top, made.placed).register
-            return asdict(nextpnr.route(self.device, self.speed, made.placed, seed, register))
+            netlist = made.placed
+            if self.design.hardware.target == "ecp5":
+                blocks = self.generated.manifest["resources"].get("blocks", [])
+                netlist = fix_blocks(netlist, made.top, blocks, self.device)
+            return asdict(nextpnr.route(self.device, self.speed, netlist, seed, register))
 
         found = self._kept(f"seed {seed}", run)
         return Routed(found["mhz"], WorstPath(**found["path"]), _as_usage(found["usage"]))

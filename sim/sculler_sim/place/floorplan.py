@@ -1,0 +1,80 @@
+"""Where the multiplier blocks of an ECP5 go: those that work together stand side by side.
+
+A device's blocks stand in a few rows across it, and nextpnr puts those of one sum into different
+rows, or at both ends of one, from which no register on the way makes up for the wires.  So each
+array of products (`Crossing.blocks`) gets a row, or a part of one; all else is nextpnr's choice.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from sculler_sim.place.devices import Device
+
+_FOUR = ((0, "MULT18_0"), (1, "MULT18_1"), (4, "MULT18_4"), (5, "MULT18_5"))
+"""Columns, from the first, and names of the four multiplier blocks that stand together."""
+
+
+class _Grid(NamedTuple):
+    """Where fours of blocks stand in nextpnr's grid: rows, those in the middle first; columns."""
+
+    rows: tuple[int, ...]
+    columns: tuple[int, ...]
+
+
+# as nextpnr places a netlist that takes every block of the device
+_SMALL = _Grid((13,), tuple(range(4, 61, 9))[:3] + (33, 42, 51, 60))
+_GRIDS = {
+    "LFE5U-12F": _SMALL,
+    "LFE5U-25F": _SMALL,
+    "LFE5U-45F": _Grid((22, 46), (4, 13, 22, 31, 42, 51, 60, 69, 78)),
+    "LFE5U-85F": _Grid((34, 58, 10), (*range(4, 59, 9), *range(69, 115, 9))),
+}
+
+
+def sites(device: Device, counts: Sequence[int]) -> list[list[str]] | None:
+    """nextpnr's names of the blocks for arrays of so many blocks each.
+
+    Returns:
+        For each array its blocks, from left to right, in the middle of a row of its own, or one
+        array behind the other if there are too few rows; None if no row takes them.
+    """
+    if device.name not in _GRIDS or not counts:
+        return None
+    grid = _GRIDS[device.name]
+    found: list[list[str]] = []
+    shared = len(counts) > len(grid.rows)
+    rows = [list(counts)] if shared else [[count] for count in counts]
+    for y, row in zip(grid.rows, rows, strict=False):
+        every = [f"X{x + dx}/Y{y}/{name}" for x in grid.columns for dx, name in _FOUR]
+        if sum(row) > len(every):
+            return None
+        start = (len(every) - sum(row)) // 2 // len(_FOUR) * len(_FOUR)
+        for count in row:
+            found.append(every[start : start + count])
+            start += count
+    return found
+
+
+def fix_blocks(netlist: str, top: str, arrays: Sequence[Sequence[str]], device: Device) -> str:
+    """Give the blocks of a netlist (Yosys, JSON) their places, as attributes that nextpnr obeys.
+
+    Args:
+        netlist: the netlist.
+        top: its module.
+        arrays: the instances of blocks, array by array, as the manifest's `resources.blocks`.
+        device: the device.
+
+    Returns:
+        The netlist; as it was if the device has no such blocks, or not in rows that take them.
+    """
+    cells = json.loads(netlist)
+    found = sites(device, [len(array) for array in arrays])
+    if found is None:
+        return netlist
+    for array, places in zip(arrays, found, strict=True):
+        for name, place in zip(array, places, strict=True):
+            cells["modules"][top]["cells"][f"{name}.block"]["attributes"]["BEL"] = place
+    return json.dumps(cells)
