@@ -23,7 +23,7 @@ works at every sample.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise, product
 from typing import NamedTuple
@@ -33,7 +33,7 @@ from amaranth.lib import wiring
 
 from sculler_hdl.parts.accumulate import Accumulation, Accumulator
 from sculler_hdl.parts.cross import SHARINGS, CrossArray, Crossing, Operand, Sharing
-from sculler_hdl.parts.handover import HandOver, StreamHandOver, complete_clock
+from sculler_hdl.parts.handover import HandOver, Moves, StreamHandOver, complete_clock
 from sculler_hdl.parts.multiply import FRINGES
 from sculler_hdl.parts.position import Position, Positioning
 from sculler_hdl.parts.running_sum import Running, RunningSum
@@ -56,12 +56,15 @@ from sculler_model.cycles import Timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.stream import words_per_column
+from sculler_model.throughput import clocks_per_major
 from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS
 from sculler_model.wordlength import Interval
 
 MINOR_CLOCK = POSITION_CLOCK = Sequencer.latency + 1
 """At which theta, v and high-resolution position take a sample: a clock after A and B, so that
 fewer parts read it at once."""
+STATUS_CLOCK = Sequencer.latency + 1
+"""At which a result's status is there."""
 LATENCY_GOAL = 24
 """Clocks from an interval's last sample to its result that sharing is not to pass."""
 POSITION_LATENCY_GOAL = 32
@@ -82,7 +85,25 @@ class Pace(NamedTuple):
 
 
 PACES = (Pace(1, False), Pace(2, False), Pace(2, True))
-"""The choices."""
+"""The choices, the one that gives most time last."""
+
+
+class Way(NamedTuple):
+    """How a core is built: one of the ways that `plan` compares.
+
+    Attributes:
+        within, between, position: how the arrays are shared; None where there is no between array
+            (M = 1), no high-resolution position.
+        fringe: most low bits of an operand that are multiplied without a block.
+        pace: how much time additions are given.
+    """
+
+    within: Sharing
+    between: Sharing | None
+    position: Sharing | None
+    fringe: int
+    pace: Pace
+
 
 # the ways that `plan` compares have many of these in common
 _crossing = lru_cache(maxsize=256)(Crossing)
@@ -111,25 +132,16 @@ class Plan:
     """What the pipelined core of a design is built of.
 
     Attributes:
-        spacing: clocks per sample.
-        within, between, position: how the arrays are shared; None where there is no between array
-            (M = 1), no high-resolution position.
-        fringe: most low bits of an operand that are multiplied without a block.
-        pace: how much time additions are given.
+        way: how it is built.
         tiles: multiplier blocks.
         units: product units, of one or several blocks each.
-        latency: clocks from an interval's last sample to its result.
+        timing: the clocks that it takes.
     """
 
-    spacing: int
-    within: Sharing
-    between: Sharing | None
-    position: Sharing | None
-    fringe: int
-    pace: Pace
+    way: Way
     tiles: int
     units: int
-    latency: int
+    timing: Timing
 
 
 @lru_cache(maxsize=64)
@@ -138,41 +150,39 @@ def plan(design: Design) -> Plan:
 
     Of the ways that keep the samples' pace, those within the latency goal are preferred, of them
     the ones that do little without multiplier blocks, of them the ones with fewest blocks, of them
-    those whose result is there before the next interval's last sample comes, which then need not
-    wait (or not for more than a tenth of the interval, if carries then have two clocks), of them
-    the one that gives additions most time.
+    the ones with the fewest clocks between results, of them those that give additions most time.
 
     Raises:
         InputError: `hardware.multipliers` are too few for any sharing.
     """
     table, budget = design.table, design.hardware.multipliers
     goal = POSITION_LATENCY_GOAL if design.high_resolution else LATENCY_GOAL
-    ways: dict[tuple[Sharing, Sharing | None, Sharing | None, int, Pace], Plan] = {}
+    ways: dict[Way, Stages] = {}
     for spacing in range(1, SHARINGS[-1].steps + 1):
         pace = launch_gap(table) * spacing, table.samples * spacing
         betweens = SHARINGS if design.algorithm.minors > 1 else [None]
         # launched at every sample, so it has the sample's clocks and no reason to take fewer
         position = [sharing for sharing in SHARINGS if sharing.steps <= spacing][-1:]
         positions = position if design.high_resolution else [None]
-        for way in product(SHARINGS, betweens, positions, FRINGES, PACES):
-            within, between, *_ = way
-            slow = within.steps > pace[0] or (between and between.steps > pace[1])
+        for way in map(Way._make, product(SHARINGS, betweens, positions, FRINGES, PACES)):
+            slow = way.within.steps > pace[0] or (way.between and way.between.steps > pace[1])
             if not slow and way not in ways:
-                ways[way] = Stages(design, *way).plan(spacing)
-        found = [made for made in ways.values() if budget is None or made.tiles <= budget]
+                ways[way] = Stages(design, way)
+        found = [
+            stages.plan(spacing)
+            for stages in ways.values()
+            if budget is None or stages.tiles <= budget
+        ]
         if found:
-            next_end = design.samples_per_major * spacing
             return min(
-                (replace(made, spacing=spacing) for made in found),
+                found,
                 key=lambda made: (
-                    max(made.latency, goal),
-                    made.fringe,
+                    max(made.timing.latency, goal),
+                    made.way.fringe,
                     made.tiles,
-                    max(made.latency, 1.1 * next_end - 1),
-                    -made.pace.carry_clocks,
-                    max(made.latency, next_end - 1),
-                    -made.pace.short_multiples,
-                    made.latency,
+                    clocks_per_major(design, made.timing),
+                    -PACES.index(made.way.pace),
+                    made.timing.latency,
                 ),
             )
     least = min(way.tiles for way in ways.values())
@@ -188,8 +198,7 @@ def timing(design: Design) -> Timing:
     Raises:
         InputError: see `plan`.
     """
-    made = plan(design)
-    return Timing(latency=made.latency, spacing=made.spacing)
+    return plan(design).timing
 
 
 @lru_cache(maxsize=32)
@@ -221,35 +230,24 @@ class Stages:
 
     Args:
         design: the design.
-        within, between, position: sharing of the arrays.
-        fringe: most low bits of an operand that are multiplied without a block.
-        pace: how much time additions are given.
+        way: how to build it.
 
     Attributes:
+        tiles: multiplier blocks.
         arrivals: for each vector of the result, when the bits of its components are there.
     """
 
-    def __init__(
-        self,
-        design: Design,
-        within: Sharing,
-        between: Sharing | None,
-        position: Sharing | None,
-        fringe: int,
-        pace: Pace,
-    ) -> None:
+    def __init__(self, design: Design, way: Way) -> None:
         words, n = design.words, design.algorithm.samples
         target = TARGETS[design.hardware.target]
 
         def limbs(*ranges: Interval) -> Limbs:
             longest = max(range_.bits for range_ in ranges)
-            return evenly(longest, target.carry_bits, pace.carry_clocks)
+            return evenly(longest, target.carry_bits, way.pace.carry_clocks)
 
-        self.sharing = (within, between, position)
-        self.fringe = fringe
-        self.pace = pace
-
-        self.gyro_taps, self.accel_taps, self.theta, self.v = _weightings(design, pace)
+        self.design = design
+        self.way = way
+        self.gyro_taps, self.accel_taps, self.theta, self.v = _weightings(design, way.pace)
         minor_arrivals = [later(part.arrival, MINOR_CLOCK) for part in (self.theta, self.v)]
 
         # alpha and nu before the last minor interval's, which is all the between products see
@@ -284,14 +282,14 @@ class Stages:
                 (A, B),
                 (s, r),
                 (words.coning_within, words.sculling_within),
-                within,
+                way.within,
                 target,
                 limbs(words.coning_within, words.sculling_within),
-                fringe,
+                way.fringe,
             )
         }
         self.launches = {"within": self.within_launch}
-        if between is not None:
+        if way.between is not None:
             self.launches["between"], (alpha, nu, theta, v) = operands(
                 (before["alpha"], self.integrals["alpha"].before_arrival),
                 (before["nu"], self.integrals["nu"].before_arrival),
@@ -302,10 +300,10 @@ class Stages:
                 (alpha, nu),
                 (theta, v),
                 (words.coning_between, words.sculling_between),
-                between,
+                way.between,
                 target,
                 limbs(words.coning_between, words.sculling_between),
-                fringe,
+                way.fringe,
             )
 
         self.arrivals: dict[str, list[Arrival]] = {
@@ -317,11 +315,14 @@ class Stages:
                     later(arrival, self.launches[place]) for _, arrival in components
                 ]
         self.position: Positioning | None = None
-        if position is not None and words.scrolling is not None:
+        if way.position is not None and words.scrolling is not None:
             N, limb = design.samples_per_major, limbs(words.scrolling)
-            self.position = _positioning(words, N, position, target, limb, fringe)
+            self.position = _positioning(words, N, way.position, target, limb, way.fringe)
             for name, three in self.position.arrivals.items():
                 self.arrivals[name] = [later(arrival, POSITION_CLOCK) for arrival in three]
+        self.tiles = sum(array.tiles for array in self.arrays.values())
+        if self.position is not None:
+            self.tiles += self.position.tiles
 
     @property
     def blocks(self) -> list[list[str]]:
@@ -335,18 +336,19 @@ class Stages:
 
     def plan(self, spacing: int) -> Plan:
         """The plan with these parts."""
-        within, between, position = self.sharing
-        tiles = sum(array.tiles for array in self.arrays.values())
+        timing = Timing(latency=complete_clock(self.arrivals) + 1, spacing=spacing)
+        gap = self.design.samples_per_major * spacing
+        if self.design.hardware.handover == "parallel" and gap <= timing.latency:
+            # a second result's room wins clocks
+            moves = Moves(self.arrivals, STATUS_CLOCK)
+            if moves.possible and moves.least_gap <= gap:
+                timing = Timing(moves.latency, spacing, handover_spacing=moves.refill, results=2)
+        arrays = (self.way.within, self.way.between, self.way.position)
         return Plan(
-            spacing=spacing,
-            within=within,
-            between=between,
-            position=position,
-            fringe=self.fringe,
-            pace=self.pace,
-            tiles=tiles + (self.position.tiles if self.position else 0),
-            units=sum(sharing.units for sharing in self.sharing if sharing is not None),
-            latency=complete_clock(self.arrivals) + HandOver.latency,
+            way=self.way,
+            tiles=self.tiles,
+            units=sum(sharing.units for sharing in arrays if sharing is not None),
+            timing=timing,
         )
 
 
@@ -360,8 +362,8 @@ class PipelinedCore(wiring.Component):
         result_NAME for each of `sculler_model.vectors.COMPONENTS`, signed, worst-case wide; or
         result_data, result_last, the stream of words.
 
-    Throughput: one sample every `plan.spacing` clocks.  Within a major interval nothing stalls; the
-    last sample of an interval waits until the previous result has been taken.
+    Throughput: one sample every `timing.spacing` clocks.  Within a major interval nothing stalls;
+    the last sample of an interval waits while there is no room for its result (`timing.results`).
 
     Args:
         design: the design.
@@ -381,20 +383,16 @@ class PipelinedCore(wiring.Component):
         self.design = design
         self.primitive = primitive
         self.plan = plan(design)
-        made = self.plan
-        self.stages = Stages(
-            design, made.within, made.between, made.position, made.fringe, made.pace
-        )
-        self.sequencer = Sequencer(design, self.plan.spacing)
+        self.timing = self.plan.timing
+        self.stages = Stages(design, self.plan.way)
+        self.sequencer = Sequencer(design, self.timing.spacing, self.timing.results)
         self.handover: HandOver | StreamHandOver
-        arrivals, status_clock = self.stages.arrivals, Sequencer.latency + 1
+        words, arrivals = design.words, self.stages.arrivals
         if design.hardware.handover == "stream":
-            self.handover = StreamHandOver(
-                design.words, words_per_column(design), arrivals, status_clock
-            )
+            columns = words_per_column(design)
+            self.handover = StreamHandOver(words, columns, arrivals, STATUS_CLOCK)
         else:
-            self.handover = HandOver(design.words, arrivals, status_clock)
-        self.timing = timing(design)
+            self.handover = HandOver(words, arrivals, STATUS_CLOCK, self.timing.results)
         self.resources = {
             "multipliers": self.plan.tiles,
             "product_units": self.plan.units,

@@ -13,7 +13,7 @@ is inside.  The contract of both cores:
 * `result_valid` rises `latency` clocks after the clock in which the interval's last sample was
   taken, and stays high until the result, or its word, is taken.
 * Stream hand-over: the words of a result (`sculler_model.stream`) come one after another, a word
-  `word_spacing` clocks after the one before it was taken; `result_last` marks the last.
+  `handover_spacing` clocks after the one before it was taken; `result_last` marks the last.
 * While `result_valid` is low the other result ports mean nothing.
 * In a clock with `rst` high nothing is taken; afterwards every output is as at power-up.
 """
@@ -48,18 +48,20 @@ class Timing:
         work: for each phase 1..n, clocks for which a sample of that phase keeps the engine: one
             taken in clock c with work w > 0, the next that has work at the earliest in clock
             c + w.  Empty: no sample has work.
-        word_spacing: stream hand-over: a word taken in clock c, the next is valid from clock
-            c + word_spacing on; 1 leaves `result_valid` high from word to word.
+        handover_spacing: a result, or a word of it, taken in clock c: the next is valid in clock
+            c + handover_spacing at the earliest; 1 leaves `result_valid` high from word to word.
+        results: how many results may be under way or wait to be taken.
     """
 
     latency: int
     spacing: int = 1
     startup: int = 0
     work: tuple[int, ...] = ()
-    word_spacing: int = 1
+    handover_spacing: int = 1
+    results: int = 1
 
     def __post_init__(self) -> None:
-        least = {"latency": 1, "spacing": 1, "startup": 0, "word_spacing": 1}
+        least = {"latency": 1, "spacing": 1, "startup": 0, "handover_spacing": 1, "results": 1}
         for name, lowest in least.items():
             if getattr(self, name) < lowest:
                 raise ValueError(f"{name}: {getattr(self, name)} is not allowed, give >= {lowest}")
@@ -70,7 +72,7 @@ class Timing:
     def longest_wait(self) -> int:
         """Clocks within which something is taken, if samples are offered and results taken."""
         busy = max(self.work, default=0)
-        return self.startup + self.spacing + busy + self.latency + self.word_spacing
+        return self.startup + self.spacing + busy + self.latency + self.handover_spacing
 
 
 class Ports(NamedTuple):
@@ -115,22 +117,25 @@ class CycleModel:
         self._golden = GoldenModel(self.design)
         self._next_sample = self._clock + self.timing.startup  # clock from which one may come
         self._engine_free = self._clock  # clock from which the engine is
-        self._waiting: deque[tuple[int, ...]] = deque()  # what the result ports are to show
-        self._valid_from = self._clock  # clock from which they show the first of it
+        # what the result ports are to show, each with the clock from which it may
+        self._waiting: deque[tuple[int, tuple[int, ...]]] = deque()
+        self._ports_free = self._clock  # clock from which the ports are free for the first of it
+        self._results = 0  # under way or not taken whole
 
     def ports(self) -> Ports:
         """What the outputs show during the present clock, before its inputs are known."""
-        awaited = bool(self._waiting)
         t = self._golden.t
         last_is_next = (t + 1) % self.design.samples_per_major == 0
         has_work = self._work[t % len(self._work)] > 0
         ready = (
             self._clock >= self._next_sample
             and not (has_work and self._clock < self._engine_free)
-            and not (last_is_next and awaited)
+            and not (last_is_next and self._results == self.timing.results)
         )
-        if awaited and self._clock >= self._valid_from:
-            return Ports(int(ready), 1, self._waiting[0])
+        if self._waiting:
+            valid_from, shown = self._waiting[0]
+            if self._clock >= max(valid_from, self._ports_free):
+                return Ports(int(ready), 1, shown)
         return Ports(int(ready), 0, (0,) * len(result_ports(self.design)))
 
     def clock(self, offered: Sample | None, result_ready: int, rst: int = 0) -> Ports:
@@ -162,14 +167,16 @@ class CycleModel:
             self._engine_free = self._clock + work
         result = self._golden.step(*sample)
         if result is not None:
-            self._waiting.extend(self._shown_as(result))
-            self._valid_from = self._clock + self.timing.latency
+            valid_from = self._clock + self.timing.latency
+            self._waiting.extend((valid_from, shown) for shown in self._shown_as(result))
+            self._results += 1
 
     def _take_result(self) -> None:
         """The result, or its next word."""
-        self._waiting.popleft()
-        if self._stream:
-            self._valid_from = self._clock + self.timing.word_spacing
+        _, shown = self._waiting.popleft()
+        self._ports_free = self._clock + self.timing.handover_spacing
+        whole = shown[-1] if self._stream else 1  # of a stream, with the last word
+        self._results -= whole
 
     def _shown_as(self, result: Result) -> list[tuple[int, ...]]:
         """What the result ports show of a result, one after another."""

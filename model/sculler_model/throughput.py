@@ -23,8 +23,12 @@ def clocks_per_minor(design: Design, timing: Timing) -> int:
 def clocks_per_major(design: Design, timing: Timing) -> int:
     """Clocks between results when samples are always offered and results taken at once.
 
-    A result must have been taken before the next interval's last sample comes.
+    A result must have been taken before there is room for another's last sample.
     """
     words = words_per_result(design) if design.hardware.handover == "stream" else 1
-    handing_over = timing.latency + (words - 1) * timing.word_spacing + 1
-    return max(design.algorithm.minors * clocks_per_minor(design, timing), handing_over)
+    handing_over = timing.latency + (words - 1) * timing.handover_spacing + 1
+    return max(
+        design.algorithm.minors * clocks_per_minor(design, timing),
+        -(-handing_over // timing.results),
+        words * timing.handover_spacing,
+    )

@@ -107,7 +107,7 @@ def testbench(
 
     # clocks that a sample and a result take at most, stalls and all
     slowest_sample = timing.spacing + max(timing.work, default=0) + 16
-    slowest_result = timing.latency + parts * (timing.word_spacing + 16) + 200
+    slowest_result = timing.latency + parts * (timing.handover_spacing + 16) + 200
     numbers = {
         "name": design.name,
         "sources": " ".join(f"{name}.v" for name in (design.name, *cells)),
@@ -121,7 +121,8 @@ def testbench(
         "latency": timing.latency,
         "spacing": timing.spacing,
         "startup": timing.startup,
-        "word_spacing": timing.word_spacing,
+        "handover_spacing": timing.handover_spacing,
+        "results_at_once": timing.results,
         "work": "\n".join(
             f"      {phase}: work = {clocks};" for phase, clocks in enumerate(timing.work) if clocks
         ),

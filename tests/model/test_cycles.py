@@ -92,8 +92,8 @@ def assert_keeps_contract(design: Design, timing: Timing, trace: list[Clock]) ->
     for now, (offered, result_ready, rst, out) in enumerate(trace):
         # the next part is valid when its result is due, and a word some clocks after the last one
         valid = len(taken) < len(parts) and now >= parts[len(taken)][0]
-        if len(taken) % words and stream:
-            valid = valid and now >= taken[-1] + timing.word_spacing
+        if taken:
+            valid = valid and now >= taken[-1] + timing.handover_spacing
         assert out.result_valid == int(valid), now
         # what the ports show without being valid means nothing and is masked
         nothing = (0, 0) if stream else (0,) * len(COLUMNS)
@@ -148,8 +148,8 @@ def test_resets_at_any_time(name: str, latency: int) -> None:
 SLOW = [
     Timing(1),
     Timing(20, spacing=3),
-    Timing(5, startup=17, word_spacing=4),
-    Timing(90, spacing=7, startup=40, work=(50, 0, 30), word_spacing=2),
+    Timing(5, startup=17, handover_spacing=4),
+    Timing(90, spacing=7, startup=40, work=(50, 0, 30), handover_spacing=2),
     Timing(12, work=(0, 0, 25)),
     Timing(300, spacing=9, work=(300, 0, 0)),
 ]
@@ -188,7 +188,7 @@ def test_any_timing_and_stalls(
         spacing=data.draw(st.integers(1, 5)),
         startup=data.draw(clocks),
         work=data.draw(st.just(()) | st.tuples(*[st.just(0) | clocks] * n)),
-        word_spacing=data.draw(st.integers(1, 4)),
+        handover_spacing=data.draw(st.integers(1, 4)),
     )
     assert_keeps_contract(design, timing, drive(design, timing, 300, seed, *rates))
 
@@ -218,7 +218,7 @@ def test_a_result_never_taken_stops_the_samples_before_anything_is_lost() -> Non
 
 def test_a_stream_stops_the_samples_until_its_last_word_is_taken() -> None:
     design = make_design("words", 1, 1, 1, (8, 8), hardware=STREAM)
-    model = CycleModel(design, Timing(latency=3, word_spacing=2))
+    model = CycleModel(design, Timing(latency=3, handover_spacing=2))
     sample = ((1, -2, 3), (4, 5, -6), 1)
     assert model.clock(sample, 1) == Ports(1, 0, (0, 0))
     # the vectors take 17 bits and more, hence two words a column: 40 words, one each two clocks
@@ -313,7 +313,7 @@ def test_timings_that_cannot_be() -> None:
         {"latency": 0},
         {"latency": 1, "spacing": 0},
         {"latency": 1, "startup": -1},
-        {"latency": 1, "word_spacing": 0},
+        {"latency": 1, "handover_spacing": 0},
         {"latency": 1, "work": (3, -1)},
     ):
         with pytest.raises(ValueError, match="is not allowed, give"):

@@ -38,7 +38,7 @@ def test_the_hand_over_can_be_what_takes_longest():
     design = Design.parse({"preset": "stim300", "algorithm": {"minors": 1}, "hardware": hardware})
     words = 20 * 4  # coning of 24-bit counts needs 57 bits
     assert clocks_per_major(design, Timing(latency=12)) == 12 + words
-    assert clocks_per_major(design, Timing(latency=12, word_spacing=3)) == 12 + 3 * (words - 1) + 1
+    assert clocks_per_major(design, Timing(latency=12, handover_spacing=3)) == 12 + 3 * (words - 1) + 1
     parallel = Design.parse({"preset": "stim300", "algorithm": {"minors": 1}})
     assert clocks_per_major(parallel, Timing(latency=12)) == 13
     assert clocks_per_major(Design.preset("stim300"), Timing(latency=12)) == 20

@@ -66,4 +66,4 @@ def test_fewer_multipliers_take_more_clocks():
     assert {name for name, clocks in spacing.items() if clocks > 1} == {
         name for name in OTHER_FORMS if "shared" in name
     }
-    assert all(timing(design).word_spacing == 1 for design in OTHER_FORMS.values())
+    assert all(timing(design).handover_spacing == 1 for design in OTHER_FORMS.values())

@@ -155,5 +155,5 @@ def timing(design: Design) -> Timing:
         spacing=loaded + 1,
         startup=kept_samples(design) * load_clocks(design) + 1,
         work=tuple(work.get(k, 0) for k in range(1, n + 1)),
-        word_spacing=1 + delays.memory,
+        handover_spacing=1 + delays.memory,
     )

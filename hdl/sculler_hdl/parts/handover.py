@@ -46,11 +46,49 @@ class _Collector:
                     yield name, axis, lo, clock, self.line.at(clock), bits
 
 
+class Moves:
+    """When the bits of a result go on from where they are collected to the ports.
+
+    In `steps` clocks, those that came last in the last: so most go as soon as they have come, and
+    no wire tells all of them to go.
+
+    Args:
+        arrivals: when the bits are there.
+        clock: when the result's status is.
+
+    Attributes:
+        start: the clock before the first bits go, if the ports are free.
+        latency: clocks from an interval's last sample to `valid`.
+        refill: clocks from when a result is taken to when one that waits is on the ports.
+        least_gap: clocks from one interval's last sample to the next one's, at least.
+        possible: that the next result's bits come late enough if it is let in when, of the two
+            before, the first has been taken.
+    """
+
+    def __init__(self, arrivals: Arrivals, clock: int) -> None:
+        complete = complete_clock(arrivals)
+        self.steps = min(6, complete - clock + 1)
+        self.start = complete - self.steps + 1
+        self.latency = complete + 2
+        self.refill = self.steps + 3
+        comes = {clock, *(when for three in arrivals.values() for one in three for _, when in one)}
+        self.least_gap = max(self.start + 1 + self.step(when) - when for when in comes)
+        self.possible = all(when > self.step(when) + 1 for when in comes)
+
+    def step(self, clock: int) -> int:
+        """The step in which bits go that come at a clock."""
+        return max(clock - self.start, 0)
+
+
 class HandOver(wiring.Component):
     """Shows a result while the next interval runs.
 
     The bits of a result are taken one after another as they come by; with the last ones the result
     is valid.  The sequencer sees to it that no bit of the next result comes while a result waits.
+
+    With room for two results the bits are collected apart from the ports and go there by `Moves`:
+
+        input ─▶ collected ─▶ output
 
     Members:
         major_end (clock `clock`): the result of a major interval is on its way.
@@ -59,53 +97,78 @@ class HandOver(wiring.Component):
         ready, valid, taken: the host's handshake; `taken` in the clock it takes the result.
         shown_major, shown_status, output: what the host sees; nothing of use while `valid` is low.
 
-    Latency 1 from the last bits to `valid`.
-
     Args:
         words: the ranges of the components.
         arrivals: when their bits are there.
         clock: that `major_end` belongs to, not after the first bits.
+        results: how many there is room for, 1 or 2.
+
+    Attributes:
+        latency: clocks from an interval's last sample to `valid`.
     """
 
-    latency = 1
-
-    def __init__(self, words: WordLengths, arrivals: Arrivals, clock: int) -> None:
-        layout = result_layout(words)
+    def __init__(
+        self, words: WordLengths, arrivals: Arrivals, clock: int, results: int = 1
+    ) -> None:
+        self.layout = result_layout(words)
         self.arrivals = dict(arrivals)
         self.clock = clock
+        self.moves = Moves(arrivals, clock) if results == 2 else None
         self.complete = complete_clock(arrivals)
+        self.latency = self.moves.latency if self.moves else self.complete + 1
         super().__init__(
             {
                 "major_end": In(1),
                 "status": In(2),
-                "input": In(layout),
+                "input": In(self.layout),
                 "ready": In(1),
                 "valid": Out(1),
                 "taken": Out(1),
                 "shown_major": Out(unsigned(PORT_MAJOR_BITS)),
                 "shown_status": Out(2),
-                "output": Out(layout),
+                "output": Out(self.layout),
             }
         )
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
         collector = _Collector(m, self.major_end, self.clock, self.arrivals)
+        m.d.comb += self.taken.eq(self.valid & self.ready)
         was_taken = Signal()
-        m.d.comb += [
-            self.taken.eq(self.valid & self.ready),
-            self.shown_major.eq(_counter(m, was_taken, PORT_MAJOR_BITS)),
-        ]
-        m.d.sync += [
-            was_taken.eq(self.taken),
-            self.valid.eq(collector.line.at(self.complete) | (self.valid & ~self.ready)),
-        ]
-        with m.If(self.major_end):
-            m.d.sync += self.shown_status.eq(self.status)
-        for name, axis, lo, _, pulse, bits in collector.pieces(self.input):
+        m.d.sync += was_taken.eq(self.taken)
+        m.d.comb += self.shown_major.eq(_counter(m, was_taken, PORT_MAJOR_BITS))
+
+        show = collector.line.at(self.complete)
+        if self.moves is not None:
+            go = self._go(m, self.moves, collector.line, was_taken)
+            show = go.at(self.moves.steps)
+
+        def collect(name: str, pulse: Value, bits: Value, port: Value, clock: int) -> None:
+            """Take bits that come at a clock to their port."""
+            if self.moves is None:
+                with m.If(pulse):
+                    m.d.sync += port.eq(bits)
+                return
+            collected = Signal(len(bits), name=f"collected_{name}")
             with m.If(pulse):
-                m.d.sync += self.output[name][axis][lo : lo + len(bits)].eq(bits)
+                m.d.sync += collected.eq(bits)
+            with m.If(go.at(1 + self.moves.step(clock))):
+                m.d.sync += port.eq(collected)
+
+        collect("status", self.major_end, self.status, self.shown_status, self.clock)
+        for name, axis, lo, clock, pulse, bits in collector.pieces(self.input):
+            port = self.output[name][axis][lo : lo + len(bits)]
+            collect(f"{name}_{AXES[axis]}_{lo}", pulse, bits, port, clock)
+        m.d.sync += self.valid.eq(show | (self.valid & ~self.ready))
         return m
+
+    def _go(self, m: Module, moves: Moves, line: FlagLine, taken: Value) -> FlagLine:
+        """The clocks at which a result moves: 1 and so on for its first step and the others."""
+        waits, busy, start = Signal(), Signal(), Signal()
+        due = line.at(moves.start) | waits
+        m.d.comb += start.eq(due & ~busy)
+        m.d.sync += [waits.eq(due & busy), busy.eq(start | (busy & ~taken))]
+        return FlagLine(m, "go", start)
 
 
 class StreamHandOver(wiring.Component):
@@ -126,16 +189,17 @@ class StreamHandOver(wiring.Component):
         ready, valid: the host's handshake for each word; data, last: the word.
         taken: in the clock the host takes the last word.
 
-    Latency 1 from the last bits to `valid`; a word every clock.
+    A word every clock.
 
     Args:
         words: the ranges of the components.
         column_words: words of each column.
         arrivals: when the bits of the components are there.
         clock: that `major_end` belongs to, not after the first bits.
-    """
 
-    latency = 1
+    Attributes:
+        latency: clocks from an interval's last sample to `valid`.
+    """
 
     def __init__(
         self, words: WordLengths, column_words: int, arrivals: Arrivals, clock: int
@@ -144,6 +208,7 @@ class StreamHandOver(wiring.Component):
         self.arrivals = dict(arrivals)
         self.clock = clock
         self.complete = complete_clock(arrivals)
+        self.latency = self.complete + 1
         layout = result_layout(words)
         self.columns = columns_of(tuple(layout.members))
         super().__init__(

@@ -1,6 +1,6 @@
 """Sequencing: which sample is which, and when the next one may come."""
 
-from amaranth import Module, Mux, Signal
+from amaranth import C, Module, Mux, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -12,8 +12,8 @@ class Sequencer(wiring.Component):
     """Counts samples and minor intervals, and flags each accepted sample.
 
     `sample_ready` is a register.  It is low for `spacing` - 1 clocks after a sample, and while the
-    next sample would end a major interval whose predecessor's result has not been taken: so at
-    most one result is ever under way or waiting, and the result registers cannot be overwritten.
+    next sample would end a major interval and as many `results` as there is room for are under way
+    or have not been taken: so the result registers cannot be overwritten.
 
     Members:
         sample_valid, sample_ready, sample_fault: the sample port's handshake.
@@ -33,13 +33,16 @@ class Sequencer(wiring.Component):
     Args:
         design: the design.
         spacing: clocks from one sample to the next, at least.
+        results: that may be under way or wait to be taken, 1 or 2; 2 needs major intervals of
+            three samples or more.
     """
 
     latency = 1
 
-    def __init__(self, design: Design, spacing: int) -> None:
+    def __init__(self, design: Design, spacing: int, results: int = 1) -> None:
         self.design = design
         self.spacing = spacing
+        self.results = results
         super().__init__(
             {
                 "sample_valid": In(1),
@@ -101,17 +104,24 @@ class Sequencer(wiring.Component):
             with m.If(ends_minor):
                 m.d.sync += minor.eq(Mux(ends_major, 0, (minor + 1)[: len(minor)]))
 
-        # whether it may come: the last one not before the last result has been taken
-        awaited = Signal()  # a major interval has ended and its result is not yet taken
-        not_taken = awaited & ~self.result_taken
-        m.d.sync += awaited.eq((accept & ends_major) | not_taken)
+        # whether it may come: an interval's last one only if there is room for the result
+        # awaited[i]: more than i results under way or not yet taken; left[i]: after this clock
+        ended = accept & ends_major
+        awaited = [Signal(name=f"awaited{i}") for i in range(self.results)]
+        left = [
+            Mux(self.result_taken, more, this)
+            for this, more in zip(awaited, [*awaited[1:], C(0, 1)], strict=True)
+        ]
+        for this, less, remains in zip(awaited, [C(1, 1), *left], left, strict=False):
+            m.d.sync += this.eq(remains | (ended & less))
+        full = left[-1]
         if last == 0:
-            m.d.sync += self.sample_ready.eq(~(accept | not_taken))
+            m.d.sync += self.sample_ready.eq(~(accept | full))
         else:  # while an end is awaited `ends_major` keeps samples back
             to_end = ends_major | (self.sample_valid & then_ends_major)
             if self.spacing > 1:
                 to_end = ends_major | (accept & then_ends_major)
-            m.d.sync += self.sample_ready.eq(~(not_taken & to_end))
+            m.d.sync += self.sample_ready.eq(~(full & to_end))
         if self.spacing > 1:
             wait = Signal(range(self.spacing - 1))
             with m.If(accept):

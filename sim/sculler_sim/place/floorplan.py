@@ -25,7 +25,7 @@ class _Grid(NamedTuple):
 
 
 # as nextpnr places a netlist that takes every block of the device
-_SMALL = _Grid((13,), tuple(range(4, 61, 9))[:3] + (33, 42, 51, 60))
+_SMALL = _Grid((13,), (4, 13, 22, 33, 42, 51, 60))
 _GRIDS = {
     "LFE5U-12F": _SMALL,
     "LFE5U-25F": _SMALL,
