@@ -336,7 +336,9 @@ def _introduction(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
         " figure: in an ECP5 the core is placed alone (`--out-of-context`); in an iCE40, where"
         " nextpnr has no such thing, it sits in a shift register, in which every input comes from"
         " a register and every output goes to one. The shift register's area is not counted: the"
-        " area is the core's own, packed alone, with its result buffers."
+        " area is the core's own, packed alone, with its result buffers. The multiplier blocks of a"
+        " pipelined ECP5 core are put side by side, array by array, as the manifest's"
+        " `resources.blocks` names them (attributes in the netlist); all else is nextpnr's choice."
     )
     yield ""
     yield documents.paragraph(

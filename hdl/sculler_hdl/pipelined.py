@@ -23,6 +23,7 @@ works at every sample.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise, product
@@ -60,10 +61,11 @@ from sculler_model.throughput import clocks_per_major
 from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS
 from sculler_model.wordlength import Interval
 
-MINOR_CLOCK = POSITION_CLOCK = Sequencer.latency + 1
-"""At which theta, v and high-resolution position take a sample: a clock after A and B, so that
-fewer parts read it at once."""
-STATUS_CLOCK = Sequencer.latency + 1
+MINOR_CLOCK = Sequencer.latency + 1
+"""At which theta and v take a sample: a clock after A and B, from registers of their own."""
+POSITION_CLOCK = Sequencer.latency + 1
+"""At which high-resolution position does."""
+STATUS_CLOCK = Sequencer.latency + 2
 """At which a result's status is there."""
 LATENCY_GOAL = 24
 """Clocks from an interval's last sample to its result that sharing is not to pass."""
@@ -75,17 +77,16 @@ class Pace(NamedTuple):
     """How much time additions are given.
 
     Attributes:
+        tap_bits: longest limb of A and B.
+        minor_bits: longest limb of theta and v, alpha and nu.
+        sum_bits: longest limb of the sums of products.
         carry_clocks: that a carry has from one limb of a sum to the next.
-        short_multiples: whether A and B, sums of multiples of samples, are cut into short limbs
-            (the target's `sample_bits`).
     """
 
+    tap_bits: int
+    minor_bits: int
+    sum_bits: int
     carry_clocks: int
-    short_multiples: bool
-
-
-PACES = (Pace(1, False), Pace(2, False), Pace(2, True))
-"""The choices, the one that gives most time last."""
 
 
 class Way(NamedTuple):
@@ -148,48 +149,70 @@ class Plan:
 def plan(design: Design) -> Plan:
     """Choose the sharing, and the fewest clocks per sample that the multipliers allow.
 
-    Of the ways that keep the samples' pace, those within the latency goal are preferred, of them
-    the ones that do little without multiplier blocks, of them the ones with fewest blocks, of them
-    the ones with the fewest clocks between results, of them those that give additions most time.
+    Of the sharings that keep the samples' pace, those within the latency goal are preferred, of
+    them the ones that do little without multiplier blocks, of them the ones with fewest blocks.
+    Then additions are given as much time as the latency goal and the pace of results allow.
 
     Raises:
         InputError: `hardware.multipliers` are too few for any sharing.
     """
     table, budget = design.table, design.hardware.multipliers
-    goal = POSITION_LATENCY_GOAL if design.high_resolution else LATENCY_GOAL
+    goal = _latency_goal(design)
+    lengths = TARGETS[design.hardware.target].limb_bits
+    hurried = Pace(lengths[0], lengths[0], lengths[0], 1)
     ways: dict[Way, Stages] = {}
     for spacing in range(1, SHARINGS[-1].steps + 1):
-        pace = launch_gap(table) * spacing, table.samples * spacing
+        launches = launch_gap(table) * spacing, table.samples * spacing
         betweens = SHARINGS if design.algorithm.minors > 1 else [None]
         # launched at every sample, so it has the sample's clocks and no reason to take fewer
         position = [sharing for sharing in SHARINGS if sharing.steps <= spacing][-1:]
         positions = position if design.high_resolution else [None]
-        for way in map(Way._make, product(SHARINGS, betweens, positions, FRINGES, PACES)):
-            slow = way.within.steps > pace[0] or (way.between and way.between.steps > pace[1])
+        for way in map(Way._make, product(SHARINGS, betweens, positions, FRINGES, [hurried])):
+            within, between = way.within, way.between
+            slow = within.steps > launches[0] or (between and between.steps > launches[1])
             if not slow and way not in ways:
                 ways[way] = Stages(design, way)
-        found = [
-            stages.plan(spacing)
-            for stages in ways.values()
-            if budget is None or stages.tiles <= budget
-        ]
+        found = [made for made in ways.values() if budget is None or made.tiles <= budget]
         if found:
-            return min(
+            best = min(
                 found,
                 key=lambda made: (
-                    max(made.timing.latency, goal),
+                    max(made.timing(spacing).latency, goal),
                     made.way.fringe,
                     made.tiles,
-                    clocks_per_major(design, made.timing),
-                    -PACES.index(made.way.pace),
-                    made.timing.latency,
+                    clocks_per_major(design, made.timing(spacing)),
+                    made.timing(spacing).latency,
                 ),
             )
+            relaxed = [Pace(lengths[0], *bits, 2) for bits in product(lengths, lengths)]
+            best = _slowest(design, spacing, best, relaxed)
+            # A and B afterwards: their products mostly are there before the others
+            taps = [best.way.pace._replace(tap_bits=bits) for bits in lengths]
+            return _slowest(design, spacing, best, taps).plan(spacing)
     least = min(way.tiles for way in ways.values())
     raise InputError(
         f"hardware.multipliers: {budget} are not enough, the pipelined core of this design needs at"
         f' least {least}; give more, or core = "compact"'
     )
+
+
+def _slowest(design: Design, spacing: int, stages: Stages, paces: Sequence[Pace]) -> Stages:
+    """The same sharing at the pace that gives additions most time and results lose none by."""
+    goal = max(_latency_goal(design), stages.timing(spacing).latency)
+    return min(
+        (stages, *(Stages(design, stages.way._replace(pace=pace)) for pace in paces)),
+        key=lambda made: (
+            max(made.timing(spacing).latency, goal),
+            clocks_per_major(design, made.timing(spacing)),
+            -made.way.pace.carry_clocks,
+            made.longest,
+            made.timing(spacing).latency,
+        ),
+    )
+
+
+def _latency_goal(design: Design) -> int:
+    return POSITION_LATENCY_GOAL if design.high_resolution else LATENCY_GOAL
 
 
 def timing(design: Design) -> Timing:
@@ -207,20 +230,24 @@ def _weightings(
 ) -> tuple[Weighting, Weighting, Weighting | Running, Weighting | Running]:
     """A, B, theta and v."""
     words, table, n = design.words, design.table, design.algorithm.samples
-    target = TARGETS[design.hardware.target]
 
-    def weighting(counts: Interval, rows: Rows, result: Interval) -> Weighting:
-        most = target.sample_bits if pace.short_multiples else target.carry_bits
-        return Weighting(counts, rows, result, n, evenly(result.bits, most, pace.carry_clocks))
+    def limb(most: int, total: Interval) -> Limbs:
+        return evenly(total.bits, most, pace.carry_clocks)
 
     taps, weights = tap_rows(table), weight_rows(table)
-    A = weighting(words.gyro, taps, words.gyro_taps)
-    B = weighting(words.accel, taps, words.accel_taps)
+    A, B = (
+        Weighting(counts, taps, result, n, limb(pace.tap_bits, result))
+        for counts, result in ((words.gyro, words.gyro_taps), (words.accel, words.accel_taps))
+    )
+    # theta and v are cut as alpha and nu are, so that these can be worked on at once
     theta, v = (
-        Running(counts, result, evenly(result.bits, target.carry_bits, pace.carry_clocks))
+        Running(counts, result, limb(pace.minor_bits, total))
         if weights[n - 1] == [(d, 1) for d in range(n)]
-        else weighting(counts, weights, result)
-        for counts, result in ((words.gyro, words.theta), (words.accel, words.v))
+        else Weighting(counts, weights, result, n, limb(pace.minor_bits, total))
+        for counts, result, total in (
+            (words.gyro, words.theta, words.alpha),
+            (words.accel, words.v, words.nu),
+        )
     )
     return A, B, theta, v
 
@@ -234,6 +261,8 @@ class Stages:
 
     Attributes:
         tiles: multiplier blocks.
+        longest: bits of the longest limbs together: of A and B, of theta to nu, of the products'
+            sums.
         arrivals: for each vector of the result, when the bits of its components are there.
     """
 
@@ -241,12 +270,12 @@ class Stages:
         words, n = design.words, design.algorithm.samples
         target = TARGETS[design.hardware.target]
 
-        def limbs(*ranges: Interval) -> Limbs:
-            longest = max(range_.bits for range_ in ranges)
-            return evenly(longest, target.carry_bits, way.pace.carry_clocks)
+        def limbs(most: int, *ranges: Interval) -> Limbs:
+            return evenly(max(item.bits for item in ranges), most, way.pace.carry_clocks)
 
         self.design = design
         self.way = way
+        sum_bits = way.pace.sum_bits
         self.gyro_taps, self.accel_taps, self.theta, self.v = _weightings(design, way.pace)
         minor_arrivals = [later(part.arrival, MINOR_CLOCK) for part in (self.theta, self.v)]
 
@@ -259,7 +288,7 @@ class Stages:
         ):
             before[name] = item.repeated(design.algorithm.minors - 1)
             self.integrals[name] = Accumulation(
-                item, arrival, total, limbs(total), before[name], gap=n
+                item, arrival, total, limbs(way.pace.minor_bits, total), before[name], gap=n
             )
 
         # the arrays, launched when the first limbs of their operands are there
@@ -284,7 +313,7 @@ class Stages:
                 (words.coning_within, words.sculling_within),
                 way.within,
                 target,
-                limbs(words.coning_within, words.sculling_within),
+                limbs(sum_bits, words.coning_within, words.sculling_within),
                 way.fringe,
             )
         }
@@ -302,7 +331,7 @@ class Stages:
                 (words.coning_between, words.sculling_between),
                 way.between,
                 target,
-                limbs(words.coning_between, words.sculling_between),
+                limbs(sum_bits, words.coning_between, words.sculling_between),
                 way.fringe,
             )
 
@@ -316,13 +345,21 @@ class Stages:
                 ]
         self.position: Positioning | None = None
         if way.position is not None and words.scrolling is not None:
-            N, limb = design.samples_per_major, limbs(words.scrolling)
+            N, limb = design.samples_per_major, limbs(sum_bits, words.scrolling)
             self.position = _positioning(words, N, way.position, target, limb, way.fringe)
             for name, three in self.position.arrivals.items():
                 self.arrivals[name] = [later(arrival, POSITION_CLOCK) for arrival in three]
         self.tiles = sum(array.tiles for array in self.arrays.values())
+        sums = [array.limb for array in self.arrays.values()]
         if self.position is not None:
             self.tiles += self.position.tiles
+            sums.append(self.position.crossing.limb)
+        minors = (self.theta, self.v, *self.integrals.values())
+        self.longest = (
+            max(self.gyro_taps.limb.bits, self.accel_taps.limb.bits)
+            + max(part.limb.bits for part in minors)
+            + max(limb.bits for limb in sums)
+        )
 
     @property
     def blocks(self) -> list[list[str]]:
@@ -334,21 +371,26 @@ class Stages:
             found.append([f"position.scrolling.{name}" for name in self.position.crossing.blocks])
         return found
 
-    def plan(self, spacing: int) -> Plan:
-        """The plan with these parts."""
+    def timing(self, spacing: int) -> Timing:
+        """The clocks that it takes, if samples come in `spacing` clocks at the fastest."""
         timing = Timing(latency=complete_clock(self.arrivals) + 1, spacing=spacing)
         gap = self.design.samples_per_major * spacing
-        if self.design.hardware.handover == "parallel" and gap <= timing.latency:
-            # a second result's room wins clocks
+        hardware = self.design.hardware
+        may = TARGETS[hardware.target].two_results and hardware.handover == "parallel"
+        if may and gap <= timing.latency:  # room for a second result wins clocks
             moves = Moves(self.arrivals, STATUS_CLOCK)
             if moves.possible and moves.least_gap <= gap:
-                timing = Timing(moves.latency, spacing, handover_spacing=moves.refill, results=2)
+                return Timing(moves.latency, spacing, handover_spacing=moves.refill, results=2)
+        return timing
+
+    def plan(self, spacing: int) -> Plan:
+        """The plan with these parts."""
         arrays = (self.way.within, self.way.between, self.way.position)
         return Plan(
             way=self.way,
             tiles=self.tiles,
             units=sum(sharing.units for sharing in arrays if sharing is not None),
-            timing=timing,
+            timing=self.timing(spacing),
         )
 
 
@@ -419,34 +461,43 @@ class PipelinedCore(wiring.Component):
         }
 
         samples: dict[str, list[Word]] = {}
+        minor_samples: dict[str, list[Value]] = {}  # the same at MINOR_CLOCK
         for sensor in ("gyro", "accel"):
             bits = getattr(words, sensor).bits
-            samples[sensor] = []
+            samples[sensor], minor_samples[sensor] = [], []
             for axis in AXES:
                 name = f"{sensor}_{axis}"
                 register = Signal(bits, name=f"{name}_sample", reset_less=True)
                 m.d.sync += register.eq(getattr(self, f"sample_{name}"))
                 samples[sensor].append(Word(m, name, register, at_once(bits, now)))
+                # synthesis makes one of registers that are equal, and one could not stand near all
+                # that reads it: the initial value keeps this one apart
+                ones = (1 << bits) - 1
+                apart = Signal(bits, name=f"{name}_of_minor", reset_less=True, init=ones)
+                m.d.sync += apart.eq(register)
+                minor_samples[sensor].append(apart)
 
         def delayed(sensor: str, clock: int) -> list[Value]:
             return [word.window(0, len(word.value), clock) for word in samples[sensor]]
 
         phase = Word(m, "phase", sequencer.phase, at_once(len(sequencer.phase), now))
 
-        def weighted(name: str, weighting: Weighting, sensor: str, clock: int) -> list[Value]:
+        def weighted(
+            name: str, weighting: Weighting, taken: list[Value], clock: int
+        ) -> list[Value]:
             m.submodules[name] = part = WeightedSum(weighting)
             m.d.comb += part.step.eq(flags["taken"].at(clock))
             if weighting.is_gated:
                 m.d.comb += part.phase.eq(phase.window(0, len(phase.value), clock))
-            for i, sample in enumerate(delayed(sensor, clock)):
+            for i, sample in enumerate(taken):
                 m.d.comb += part.samples[i].eq(sample)
             return [Value.cast(part.output[i]) for i in range(3)]
 
         def of_minor(name: str, plan: Weighting | Running, sensor: str) -> list[Value]:
             if isinstance(plan, Weighting):
-                return weighted(name, plan, sensor, MINOR_CLOCK)
+                return weighted(name, plan, minor_samples[sensor], MINOR_CLOCK)
             outputs: list[Value] = []
-            for axis, sample in zip(AXES, delayed(sensor, MINOR_CLOCK), strict=True):
+            for axis, sample in zip(AXES, minor_samples[sensor], strict=True):
                 m.submodules[f"{name}_{axis}"] = part = RunningSum(plan)
                 m.d.comb += [
                     part.step.eq(flags["taken"].at(MINOR_CLOCK)),
@@ -456,8 +507,8 @@ class PipelinedCore(wiring.Component):
                 outputs.append(part.output)
             return outputs
 
-        A = weighted("gyro_taps", stages.gyro_taps, "gyro", now)
-        B = weighted("accel_taps", stages.accel_taps, "accel", now)
+        A = weighted("gyro_taps", stages.gyro_taps, delayed("gyro", now), now)
+        B = weighted("accel_taps", stages.accel_taps, delayed("accel", now), now)
         theta = of_minor("theta", stages.theta, "gyro")
         v = of_minor("v", stages.v, "accel")
         before: dict[str, list[Value]] = {}
@@ -484,7 +535,9 @@ class PipelinedCore(wiring.Component):
         }
         starts = {"within": flags["launch"], "between": flags["minor_end"]}
         for place, crossing in stages.arrays.items():
-            m.submodules[place] = array = CrossArray(crossing, primitive=self.primitive)
+            m.submodules[place] = array = CrossArray(
+                crossing, primitive=self.primitive, inverted=place == "within"
+            )
             launch = stages.launches[place]
             m.d.comb += [
                 array.launch.eq(starts[place].at(launch)),
@@ -519,9 +572,11 @@ class PipelinedCore(wiring.Component):
         news = sequencer.short | sequencer.fault << 1  # STATUS_SHORT_HISTORY, _FAULT
         with m.If(sequencer.taken):
             m.d.sync += status.eq(Mux(sequencer.first, 0, status) | news)
+        at_major_end = Signal(2)  # for the next sample starts another
+        m.d.sync += at_major_end.eq(status)
         m.d.comb += [
             handover.major_end.eq(flags["major_end"].at(handover.clock)),
-            handover.status.eq(status),
+            handover.status.eq(at_major_end),
             handover.ready.eq(self.result_ready),
             self.result_valid.eq(handover.valid),
         ]

@@ -13,23 +13,25 @@ class Target:
     Attributes:
         name: as in the design file's hardware.target.
         tile_bits: widths of the two signed operands of one multiplier block.
-        carry_bits: longest addition that is done in one clock.
-        sample_bits: the same for multiples of a sample, whose bits each go to many adders.
+        limb_bits: longest addition that is done in one clock; after it shorter ones, for where
+            there is time to cut additions into more pieces.
+        two_results: whether there are flip-flops to spare for a second result, which gives that
+            time where major intervals are short.
     """
 
     name: str
     tile_bits: tuple[int, int]
-    carry_bits: int
-    sample_bits: int
+    limb_bits: tuple[int, ...]
+    two_results: bool = False
 
 
 TARGETS = {
     target.name: target
     for target in (
-        Target("generic", (18, 18), 64, 64),
-        Target("ecp5", (18, 18), 42, 21),
-        Target("ice40", (16, 16), 20, 20),
-        Target("xilinx", (25, 18), 42, 24),
+        Target("generic", (18, 18), (64,)),
+        Target("ecp5", (18, 18), (42, 32, 26, 21, 16, 12), two_results=True),
+        Target("ice40", (16, 16), (20,)),
+        Target("xilinx", (25, 18), (42,)),
     )
 }
 """By the design file's name."""

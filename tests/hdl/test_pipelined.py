@@ -1,6 +1,7 @@
 """The pipelined core as a whole: its plan against counts by hand, its ports clock by clock."""
 
 import random
+import re
 
 import numpy as np
 import pytest
@@ -17,9 +18,11 @@ from sculler_hdl.pipelined import (
     plan,
     timing,
 )
+from sculler_hdl.verilog import generate
 from sculler_model.cycles import CycleModel, result_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
+from sculler_model.throughput import clocks_per_major
 from sculler_model.vectors import AXES
 from strategies import DESIGNS, make_design, random_counts
 
@@ -60,9 +63,9 @@ def test_sharings_do_all_products():
 )
 def test_plan(name, multipliers, spacing, within, between, tiles):
     made = plan(with_hardware(DESIGNS[name], multipliers=multipliers, target="ecp5"))
-    assert made.spacing == spacing
-    assert made.within.steps == within
-    assert (made.between and made.between.steps) == between
+    assert made.timing.spacing == spacing
+    assert made.way.within.steps == within
+    assert (made.way.between and made.way.between.steps) == between
     assert made.tiles == tiles
     assert made.units == 18 // within + (18 // between if between else 0)
     assert multipliers is None or made.tiles <= multipliers
@@ -89,9 +92,9 @@ def test_launch_gap():
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
 def test_every_design_takes_a_sample_a_clock(design, target):
     made = plan(with_hardware(design, target=target))
-    assert made.spacing == 1
-    assert made.within.steps <= launch_gap(design.table)
-    assert made.latency <= LATENCY_GOAL
+    assert made.timing.spacing == 1
+    assert made.way.within.steps <= launch_gap(design.table)
+    assert made.timing.latency <= LATENCY_GOAL
 
 
 def test_latency_by_hand():
@@ -118,12 +121,37 @@ def test_latency_by_hand():
 def test_plan_with_high_resolution_position(multipliers, spacing, position, tiles):
     design = HIGH_RESOLUTION["stim300_hr"]
     made = plan(with_hardware(design, core="pipelined", target="ecp5", multipliers=multipliers))
-    assert (made.spacing, made.position.steps, made.tiles) == (spacing, position, tiles)
-    assert multipliers < 8 or made.latency <= POSITION_LATENCY_GOAL
+    found = (made.timing.spacing, made.way.position.steps, made.tiles)
+    assert found == (spacing, position, tiles)
+    assert multipliers < 8 or made.timing.latency <= POSITION_LATENCY_GOAL
+
+
+def test_room_for_a_second_result_buys_time_for_additions():
+    """24 clocks to a result, 20 from one to the next: without it samples would wait."""
+    design = DESIGNS["stim300_4x5"]
+    found = timing(with_hardware(design, target="ecp5"))
+    assert (found.results, found.latency, found.spacing) == (2, LATENCY_GOAL, 1)
+    assert clocks_per_major(design, found) == design.samples_per_major == 20
+    # a stream has no such room, and a family with fewer flip-flops does without
+    streaming = timing(with_hardware(design, target="ecp5", handover="stream"))
+    assert streaming.results == 1
+    assert timing(design).results == 1
+
+
+@pytest.mark.parametrize("name", ["stim300_4x5", "dense_time_3", "taylor_3p3"])
+def test_every_block_is_named_once_where_it_stands(name):
+    generated = generate(with_hardware(DESIGNS[name], target="ecp5"))
+    arrays = generated.manifest["resources"]["blocks"]
+    instances = re.findall(r"MULT18X18D #\(.*?\) \\(\S+)", generated.verilog, re.DOTALL)
+    assert sorted(f"{block}.block" for array in arrays for block in array) == sorted(instances)
+    assert len(instances) == generated.manifest["resources"]["multipliers"]
+    for array in arrays:
+        assert len({block.partition(".")[0] for block in array}) == 1
 
 
 VARIANTS = [
     ("stim300_4x5", {}),
+    ("stim300_4x5", {"target": "ecp5"}),
     ("stim300_4x5", {"target": "ecp5", "multipliers": 11, "handover": "stream"}),
     ("taylor_2p1", {"target": "ecp5", "multipliers": 8}),
     ("dense_odd_3", {"target": "ice40", "multipliers": 12}),

@@ -10,7 +10,7 @@ import pytest
 
 from sculler_hdl.parts import weighted_sum
 from sculler_hdl.parts.cross import CONING_AND_SCULLING, SHARINGS
-from sculler_hdl.pipelined import PACES, Stages, tap_rows, weight_rows
+from sculler_hdl.pipelined import Pace, Stages, Way, tap_rows, weight_rows
 from sculler_model.advice import (
     Candidate,
     Environment,
@@ -59,7 +59,8 @@ def test_cost_is_what_the_core_is_made_of(algorithm: dict[str, object]) -> None:
     found = cost(design)
     n = design.table.samples
     shared = SHARINGS[0] if design.algorithm.minors > 1 else None
-    arrays = Stages(design, SHARINGS[0], shared, None, 0, PACES[0]).arrays
+    way = Way(SHARINGS[0], shared, None, 0, Pace(64, 64, 64, 1))
+    arrays = Stages(design, way).arrays
 
     def products(place: str) -> int:
         operands = arrays[place].operands

@@ -79,7 +79,7 @@ def assert_keeps_contract(design: Design, timing: Timing, trace: list[Clock]) ->
     """Check every clock of a trace against the contract; the number of results taken whole."""
     span, phases = design.samples_per_major, design.algorithm.samples
     stream = design.hardware.handover == "stream"
-    words = len(words_of(design, NOTHING))
+    words = len(words_of(design, NOTHING)) if stream else 1
     work = timing.work or (0,) * phases
     total = 0
 
@@ -105,7 +105,7 @@ def assert_keeps_contract(design: Design, timing: Timing, trace: list[Clock]) ->
             now < started + timing.startup,
             bool(accepted) and now < accepted[-1] + timing.spacing,
             work[len(accepted) % phases] > 0 and bool(busy) and now < busy[-1],
-            last_is_next and len(parts) > len(taken),
+            last_is_next and len(parts) // words - len(taken) // words >= timing.results,
         ]
         assert out.sample_ready == int(not any(reasons)), (now, reasons)
 
@@ -115,7 +115,7 @@ def assert_keeps_contract(design: Design, timing: Timing, trace: list[Clock]) ->
             continue
         if out.result_valid and result_ready:
             taken.append(now)
-            total += len(taken) == len(parts)
+            total += len(taken) % words == 0
         if offered is not None and out.sample_ready:
             accepted.append(now)
             result = golden.step(*offered)
@@ -151,6 +151,7 @@ SLOW = [
     Timing(5, startup=17, handover_spacing=4),
     Timing(90, spacing=7, startup=40, work=(50, 0, 30), handover_spacing=2),
     Timing(12, work=(0, 0, 25)),
+    Timing(24, handover_spacing=10, results=2),
     Timing(300, spacing=9, work=(300, 0, 0)),
 ]
 
@@ -189,6 +190,7 @@ def test_any_timing_and_stalls(
         startup=data.draw(clocks),
         work=data.draw(st.just(()) | st.tuples(*[st.just(0) | clocks] * n)),
         handover_spacing=data.draw(st.integers(1, 4)),
+        results=data.draw(st.integers(1, 3)),
     )
     assert_keeps_contract(design, timing, drive(design, timing, 300, seed, *rates))
 
@@ -314,6 +316,7 @@ def test_timings_that_cannot_be() -> None:
         {"latency": 1, "spacing": 0},
         {"latency": 1, "startup": -1},
         {"latency": 1, "handover_spacing": 0},
+        {"latency": 1, "results": 0},
         {"latency": 1, "work": (3, -1)},
     ):
         with pytest.raises(ValueError, match="is not allowed, give"):

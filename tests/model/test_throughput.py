@@ -38,7 +38,14 @@ def test_the_hand_over_can_be_what_takes_longest():
     design = Design.parse({"preset": "stim300", "algorithm": {"minors": 1}, "hardware": hardware})
     words = 20 * 4  # coning of 24-bit counts needs 57 bits
     assert clocks_per_major(design, Timing(latency=12)) == 12 + words
-    assert clocks_per_major(design, Timing(latency=12, handover_spacing=3)) == 12 + 3 * (words - 1) + 1
+    slow = Timing(latency=12, handover_spacing=3)
+    assert clocks_per_major(design, slow) == 12 + 3 * (words - 1) + 1
     parallel = Design.parse({"preset": "stim300", "algorithm": {"minors": 1}})
     assert clocks_per_major(parallel, Timing(latency=12)) == 13
-    assert clocks_per_major(Design.preset("stim300"), Timing(latency=12)) == 20
+    stim300 = Design.preset("stim300")
+    assert clocks_per_major(stim300, Timing(latency=12)) == 20
+    # a result is late: the next one's last sample waits for it, or for the one before it
+    assert clocks_per_major(stim300, Timing(latency=24)) == 25
+    assert clocks_per_major(stim300, Timing(latency=24, results=2)) == 20
+    assert clocks_per_major(stim300, Timing(latency=60, results=2)) == 31  # half of 61
+    assert clocks_per_major(parallel, Timing(latency=9, handover_spacing=8, results=2)) == 8

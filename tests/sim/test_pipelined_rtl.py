@@ -67,3 +67,26 @@ def test_fewer_multipliers_take_more_clocks():
         name for name in OTHER_FORMS if "shared" in name
     }
     assert all(timing(design).handover_spacing == 1 for design in OTHER_FORMS.values())
+
+
+TWO_RESULTS = {
+    name: design
+    for each in DESIGNS.values()
+    for name, design in on_cores(each, {"ecp5": {"target": "ecp5"}}).items()
+    if timing(design).results == 2
+}
+EACH_WITH_TWO = pytest.mark.parametrize("design", TWO_RESULTS.values(), ids=TWO_RESULTS.keys())
+
+
+@EACH_WITH_TWO
+def test_with_room_for_two_results(design, tmp_path):
+    """Hosts that take results at once, late, or so late that samples wait; resets at any time."""
+    check_files(design, tmp_path, ["verilator"], samples=60)
+    check_trace(design, "verilator", 40 * clocks_of_major(design) + 600, seeds=range(3))
+    stimulus = Stimulus.stalls(2, 64).with_resets(3, 40, 41, 77, 160, 161, 162, 391)
+    check_resets(design, tmp_path, 20 * design.samples_per_major + 100, stimulus)
+
+
+def test_some_designs_have_that_room():
+    assert "stim300_4x5-ecp5" in TWO_RESULTS
+    assert len(TWO_RESULTS) >= 3

@@ -1,6 +1,7 @@
 """Place-and-route: devices, what the tools say and what is made of it, small cores for real."""
 
 import json
+import re
 from dataclasses import replace
 
 import pytest
@@ -11,6 +12,7 @@ from sculler_model.errors import InputError
 from sculler_sim.place import nextpnr, placement, synthesis
 from sculler_sim.place.blocks import Limit, limits
 from sculler_sim.place.devices import DEVICES, find_device
+from sculler_sim.place.floorplan import fix_blocks, sites
 from sculler_sim.place.harness import TOP, harness
 from sculler_sim.place.nextpnr import WorstPath, worst_path
 from sculler_sim.place.placement import Area, Placement, Seed, check_target, place
@@ -34,6 +36,58 @@ def tools():
 def small(name, **hardware):
     data = DESIGNS["smallest"].as_json()
     return Design.parse({**data, "name": name, "hardware": hardware})
+
+
+# floor plan
+
+
+def columns_and_row(places):
+    found = [re.fullmatch(r"X(\d+)/Y(\d+)/MULT18_([0145])", place) for place in places]
+    (row,) = {int(match[2]) for match in found}
+    return [int(match[1]) - int(match[3]) for match in found], row
+
+
+@pytest.mark.parametrize("name", [name for name in DEVICES if name.startswith("LFE5U")])
+def test_a_row_takes_the_blocks_of_an_array(name):
+    blocks = {"LFE5U-12F": 28, "LFE5U-25F": 28, "LFE5U-45F": 72, "LFE5U-85F": 156}[name]
+    rows = blocks // 28 if blocks < 156 else 3
+    (one,) = sites(DEVICES[name], [blocks // rows])
+    columns, _ = columns_and_row(one)
+    assert sorted(columns) == columns
+    assert [columns.count(column) for column in columns] == [4] * len(columns)
+    assert sites(DEVICES[name], [blocks // rows + 1]) is None
+
+
+def test_arrays_get_rows_of_their_own_and_share_the_only_one():
+    first, second = sites(DEVICES["LFE5U-85F"], [24, 24])
+    (columns, y), (others, other_y) = columns_and_row(first), columns_and_row(second)
+    assert columns == others
+    assert y != other_y
+    assert max(columns) - min(columns) == 5 * 9  # no wider than six fours need to be
+    first, second = sites(ECP5, [12, 8])
+    assert columns_and_row(first)[1] == columns_and_row(second)[1]
+    assert not set(first) & set(second)
+    assert max(columns_and_row(first)[0]) < min(columns_and_row(second)[0])
+
+
+def test_other_devices_and_cores_are_left_to_nextpnr():
+    assert sites(UP5K, [8]) is None
+    assert sites(ECP5, []) is None
+    netlist = json.dumps({"modules": {"core": {"cells": {}}}})
+    assert fix_blocks(netlist, "core", [], ECP5) == netlist
+
+
+def test_blocks_stand_where_the_plan_says(tools):
+    design = small("planned", target="ecp5")
+    generated = generate(design)
+    made = synthesise(generated, "ecp5")
+    arrays = generated.manifest["resources"]["blocks"]
+    cells = json.loads(fix_blocks(made.placed, made.top, arrays, ECP5))["modules"][made.top][
+        "cells"
+    ]
+    places = [cells[f"{name}.block"]["attributes"]["BEL"] for array in arrays for name in array]
+    assert [places] == sites(ECP5, [18])
+    assert sum("BEL" in cell["attributes"] for cell in cells.values()) == 18
 
 
 # devices

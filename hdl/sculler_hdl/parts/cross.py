@@ -261,11 +261,13 @@ class CrossArray(wiring.Component):
     Args:
         plan: the plan.
         primitive: whether to instantiate the target's multiplier blocks.
+        inverted: how its flags are held (`FlagLine`), to keep them apart from another array's.
     """
 
-    def __init__(self, plan: Crossing, *, primitive: bool = True) -> None:
+    def __init__(self, plan: Crossing, *, primitive: bool = True, inverted: bool = False) -> None:
         self.plan = plan
         self.primitive = primitive
+        self.inverted = inverted
         super().__init__(
             {
                 "launch": In(1),
@@ -283,7 +285,8 @@ class CrossArray(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
-        launch, last = FlagLine(m, "launch", self.launch), FlagLine(m, "last", self.last)
+        launch = FlagLine(m, "launch", self.launch, inverted=self.inverted)
+        last = FlagLine(m, "last", self.last, inverted=self.inverted)
 
         @cache
         def during(steps: tuple[int, ...], clock: int, flag: FlagLine) -> Value:
@@ -292,15 +295,29 @@ class CrossArray(wiring.Component):
             m.d.sync += high.eq(Cat(flag.at(clock - 1 + step) for step in steps).any())
             return high
 
-        places = {name: self._places(m, name, launch) for name in plan.operands}
+        # each pair of operands holds its own, at a word of its own; those that take turns are held
+        # once.  What a reset leaves under way is loaded for nothing: no sum takes a step then.
+        loads = [
+            launch,
+            FlagLine(m, "load1", self.launch, inverted=self.inverted, cleared=False),
+            FlagLine(m, "load2", self.launch, inverted=not self.inverted, cleared=False),
+        ]
+        places: dict[tuple[int, str], list[Word]] = {}
+        for pair, names in enumerate(plan.pairs if plan.sharing.crosses == 1 else [plan.operands]):
+            for name in names:
+                before = sum(name == other for _, other in places)
+                places[pair, name] = self._places(m, name, loads[pair], before)
 
-        def at_place(side: str, name: str, number: int, lo: int, hi: int, clock: int) -> Value:
+        def at_place(
+            side: str, pair: int, name: str, number: int, lo: int, hi: int, clock: int
+        ) -> Value:
             """Bits of the component in a place, of the operand in turn if they take turns."""
             if plan.sharing.crosses == 1:
-                return places[name][number].window(lo, hi, clock)
+                return places[pair, name][number].window(lo, hi, clock)
             numbers = [cross[side == "right"] for cross in plan.form.crosses]
             chosen, *others = (
-                places[f"{side}{i}"][number].window(lo, hi, clock) for i in range(max(numbers) + 1)
+                places[pair, f"{side}{i}"][number].window(lo, hi, clock)
+                for i in range(max(numbers) + 1)
             )
             for i, other in enumerate(others, start=1):
                 turn = plan.steps_where(cross=numbers.index(i))
@@ -314,10 +331,10 @@ class CrossArray(wiring.Component):
             word_name = f"{side}{pair}_{forward}_{axis}"
             bits: list[Value] = []
             for lo, hi, clock in spans(arrival):
-                chosen = at_place(side, name, forward, lo, hi, clock)
+                chosen = at_place(side, pair, name, forward, lo, hi, clock)
                 if plan.sharing.sides == 2:
                     swap = during(tuple(plan.steps_where(side=1)), clock, launch)
-                    chosen = Mux(swap, at_place(side, name, backward, lo, hi, clock), chosen)
+                    chosen = Mux(swap, at_place(side, pair, name, backward, lo, hi, clock), chosen)
                 piece = Signal(hi - lo, name=f"{word_name}_{lo}")
                 m.d.comb += piece.eq(chosen)
                 bits.append(piece)
@@ -360,8 +377,11 @@ class CrossArray(wiring.Component):
                     m.d.comb += adder.carry.eq(during(backward, adder.plan.clock, launch))
         return m
 
-    def _places(self, m: Module, name: str, launch: FlagLine) -> list[Word]:
-        """The three components of an operand where the units find them."""
+    def _places(self, m: Module, name: str, launch: FlagLine, copy: int) -> list[Word]:
+        """The three components of an operand where the units find them.
+
+        A second copy has other initial values, or synthesis would make it one with the first.
+        """
         plan = self.plan
         words = [
             Word(m, f"{name}_{axis}", getattr(self, name)[i], plan.operands[name].arrival)
@@ -374,8 +394,10 @@ class CrossArray(wiring.Component):
         held: list[list[Value]] = [[], [], []]
         for lo, hi, clock in spans(arrival):
             load = launch.at(clock - 1)
+            init = copy * ((1 << (hi - lo)) - 1)
             registers = [
-                Signal(hi - lo, name=f"held_{name}_{axis}_{lo}", reset_less=True) for axis in AXES
+                Signal(hi - lo, name=f"held{copy}_{name}_{axis}_{lo}", init=init, reset_less=True)
+                for axis in AXES
             ]
             for i, register in enumerate(registers):
                 held[i].append(register)
@@ -386,7 +408,8 @@ class CrossArray(wiring.Component):
                     with m.Else():
                         m.d.sync += register.eq(registers[(i + 1) % 3])
         return [
-            Word(m, f"held_{name}_{axis}", Cat(*held[i]), arrival) for i, axis in enumerate(AXES)
+            Word(m, f"held{copy}_{name}_{axis}", Cat(*held[i]), arrival)
+            for i, axis in enumerate(AXES)
         ]
 
     def _signed(self, m: Module, name: str, word: Word, during: _During, launch: FlagLine) -> Value:

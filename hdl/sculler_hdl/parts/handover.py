@@ -30,12 +30,16 @@ def complete_clock(arrivals: Arrivals) -> int:
 
 
 class _Collector:
-    """Takes the bits of a result where each comes by, at the clocks after `major_end`."""
+    """Takes the bits of a result where each comes by, at the clocks after `major_end`.
+
+    The within array's bits have a line of their own, for they come from elsewhere.  What is still
+    under way at a reset is taken all the same, but before anything of the next result is.
+    """
 
     def __init__(self, m: Module, major_end: Value, clock: int, arrivals: Arrivals) -> None:
-        self.m = m
         self.arrivals = arrivals
         self.line = FlagLine(m, "major_end", major_end, clock)
+        self.takes = _two_lines(m, "takes", major_end, clock)
 
     def pieces(self, source: Value) -> Iterator[tuple[str, int, int, int, Value, Value]]:
         """(vector, axis, first bit, clock, pulse, bits) of each piece of the result."""
@@ -43,7 +47,18 @@ class _Collector:
             for axis, arrival in enumerate(three):
                 for lo, hi, clock in spans(arrival):
                     bits = Value.cast(source[name][axis])[lo:hi]
-                    yield name, axis, lo, clock, self.line.at(clock), bits
+                    yield name, axis, lo, clock, _line_of(name, self.takes).at(clock), bits
+
+
+def _two_lines(m: Module, name: str, value: Value, clock: int = 0) -> tuple[FlagLine, FlagLine]:
+    """A flag that moves data, once for the within array's."""
+    within = FlagLine(m, f"{name}_within", value, clock, inverted=True, cleared=False)
+    return FlagLine(m, name, value, clock, cleared=False), within
+
+
+def _line_of(vector: str, lines: tuple[FlagLine, FlagLine]) -> FlagLine:
+    """The one that a vector is moved by."""
+    return lines[vector.endswith("_within")]
 
 
 class Moves:
@@ -67,13 +82,13 @@ class Moves:
 
     def __init__(self, arrivals: Arrivals, clock: int) -> None:
         complete = complete_clock(arrivals)
-        self.steps = min(6, complete - clock + 1)
+        self.steps = min(6, complete - clock)
         self.start = complete - self.steps + 1
         self.latency = complete + 2
-        self.refill = self.steps + 3
+        self.refill = self.steps + 4
         comes = {clock, *(when for three in arrivals.values() for one in three for _, when in one)}
         self.least_gap = max(self.start + 1 + self.step(when) - when for when in comes)
-        self.possible = all(when > self.step(when) + 1 for when in comes)
+        self.possible = all(when > self.step(when) + 2 for when in comes)
 
     def step(self, clock: int) -> int:
         """The step in which bits go that come at a clock."""
@@ -138,37 +153,35 @@ class HandOver(wiring.Component):
         m.d.sync += was_taken.eq(self.taken)
         m.d.comb += self.shown_major.eq(_counter(m, was_taken, PORT_MAJOR_BITS))
 
-        show = collector.line.at(self.complete)
-        if self.moves is not None:
-            go = self._go(m, self.moves, collector.line, was_taken)
-            show = go.at(self.moves.steps)
-
-        def collect(name: str, pulse: Value, bits: Value, port: Value, clock: int) -> None:
-            """Take bits that come at a clock to their port."""
-            if self.moves is None:
-                with m.If(pulse):
-                    m.d.sync += port.eq(bits)
-                return
-            collected = Signal(len(bits), name=f"collected_{name}")
-            with m.If(pulse):
-                m.d.sync += collected.eq(bits)
-            with m.If(go.at(1 + self.moves.step(clock))):
-                m.d.sync += port.eq(collected)
-
-        collect("status", self.major_end, self.status, self.shown_status, self.clock)
+        pieces = [("status", self.clock, self.major_end, self.status, self.shown_status)]
         for name, axis, lo, clock, pulse, bits in collector.pieces(self.input):
             port = self.output[name][axis][lo : lo + len(bits)]
-            collect(f"{name}_{AXES[axis]}_{lo}", pulse, bits, port, clock)
+            pieces.append((name, clock, pulse, bits, port))
+        if self.moves is None:
+            show = collector.line.at(self.complete)
+            for _, _, pulse, bits, port in pieces:
+                with m.If(pulse):
+                    m.d.sync += port.eq(bits)
+        else:
+            starts = self._starts(m, self.moves, collector.line, was_taken)
+            show = FlagLine(m, "show", starts).at(1 + self.moves.steps)
+            lines = _two_lines(m, "moves", starts)
+            for i, (name, clock, pulse, bits, port) in enumerate(pieces):
+                collected = Signal(len(bits), name=f"collected{i}_{name}", reset_less=True)
+                with m.If(pulse):
+                    m.d.sync += collected.eq(bits)
+                with m.If(_line_of(name, lines).at(2 + self.moves.step(clock))):
+                    m.d.sync += port.eq(collected)
         m.d.sync += self.valid.eq(show | (self.valid & ~self.ready))
         return m
 
-    def _go(self, m: Module, moves: Moves, line: FlagLine, taken: Value) -> FlagLine:
-        """The clocks at which a result moves: 1 and so on for its first step and the others."""
-        waits, busy, start = Signal(), Signal(), Signal()
-        due = line.at(moves.start) | waits
-        m.d.comb += start.eq(due & ~busy)
-        m.d.sync += [waits.eq(due & busy), busy.eq(start | (busy & ~taken))]
-        return FlagLine(m, "go", start)
+    def _starts(self, m: Module, moves: Moves, line: FlagLine, taken: Value) -> Value:
+        """Two clocks before a result moves: it is due, and the one before it has been taken."""
+        waits, busy, starts = Signal(), Signal(), Signal()
+        due = line.at(moves.start - 1) | waits
+        m.d.comb += starts.eq(due & ~busy)
+        m.d.sync += [waits.eq(due & busy), busy.eq(starts | (busy & ~taken))]
+        return starts
 
 
 class StreamHandOver(wiring.Component):

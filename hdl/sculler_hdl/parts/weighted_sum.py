@@ -96,7 +96,7 @@ class Weighting:
         self.distances = range(max(distances, default=1), self.newest - 1, -1)
         self.terms = {d: [term for term in terms if term.distance == d] for d in self.distances}
         self.products = {
-            d: Sum([self._addend(term) for term in terms], Interval.signed(self.bits(d)), limb)
+            d: Sum(self._addends(terms), Interval.signed(self.bits(d)), limb, counts | ZERO)
             for d, terms in self.terms.items()
             if terms
         }
@@ -118,10 +118,20 @@ class Weighting:
             return None
         return tuple(sorted((k - term.distance) % self.phase_count for k in term.phases))
 
-    def _addend(self, term: Term) -> Addend:
-        clock = 0 if self.gate(term) is None else 1
-        arrival = at_once(self.counts.bits, clock)
-        return Addend(self.counts | ZERO, arrival, term.shift, term.sign < 0)
+    def _addends(self, terms: Sequence[Term]) -> list[Addend]:
+        """The terms of one distance: multiples of one sample, if all take up the same phases."""
+        gates = [self.gate(term) for term in terms]
+        multiple = 1 if len(set(gates)) == 1 else None
+        return [
+            Addend(
+                self.counts | ZERO,
+                at_once(self.counts.bits, int(gate is not None)),
+                term.shift,
+                term.sign < 0,
+                multiple,
+            )
+            for term, gate in zip(terms, gates, strict=True)
+        ]
 
     def bits(self, distance: int) -> int:
         """Width of the partial sum of a distance: what has come in from there on back."""

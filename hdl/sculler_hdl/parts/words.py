@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from amaranth import C, Cat, Module, Signal, Value
 
-from sculler_model.wordlength import Interval
+from sculler_model.wordlength import ZERO, Interval
 
 
 class Limbs(NamedTuple):
@@ -216,12 +216,15 @@ class Addend:
         arrival: when its bits are there.
         low: weight of its lowest bit.
         negative: whether it is subtracted.
+        multiple: of one number that the sum's terms are multiples of, if so: the integer is
+            this many times that number.
     """
 
     range: Interval
     arrival: Arrival
     low: int = 0
     negative: bool = False
+    multiple: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,13 +245,17 @@ class Sum:
         addends: the terms.
         result: range of the sum.
         limb: how sums are cut.
+        number: range of the number that terms are multiples of.
 
     Attributes:
         arrival: when the bits of the sum are there; a single positive term is the sum itself.
     """
 
-    def __init__(self, addends: Sequence[Addend], result: Interval, limb: Limbs) -> None:
+    def __init__(
+        self, addends: Sequence[Addend], result: Interval, limb: Limbs, number: Interval = ZERO
+    ) -> None:
         self.addends = list(addends)
+        self.number = number
         self.result = result
         self.limb = limb
         self._sums = 0
@@ -294,7 +301,11 @@ class Sum:
         low = min(a.addend.low, b.addend.low)
         x, y = (node.addend.range.scaled(1 << (node.addend.low - low)) for node in (a, b))
         subtract = a.addend.negative != b.addend.negative
-        total = x - y if subtract else x + y
+        total, multiple = x - y if subtract else x + y, None
+        if a.addend.multiple is not None and b.addend.multiple is not None:
+            p, q = a.addend.multiple << a.addend.low - low, b.addend.multiple << b.addend.low - low
+            multiple = p - q if subtract else p + q
+            total = self.number.scaled(multiple)
         ready = 1 + max(
             first_limb_clock(node.addend.arrival, self.limb, node.addend.low - low)
             for node in (a, b)
@@ -302,7 +313,7 @@ class Sum:
         bits = min(total.bits, self.result.bits - low)
         arrival = tuple((hi - lo, ready + q) for q, lo, hi in limbs(bits, self.limb))
         self._sums += 1
-        addend = Addend(total, arrival, low, a.addend.negative)
+        addend = Addend(total, arrival, low, a.addend.negative, multiple)
         return _Node(addend, ready, self._sums, (a, b))
 
     def _widened(self, addend: Addend) -> Arrival:
@@ -381,13 +392,36 @@ class Sum:
 
 
 class FlagLine:
-    """A flag of one bit at every clock from `clock` on, in registers that reset clears."""
+    """A flag of one bit at every clock from `clock` on, in registers.
 
-    def __init__(self, m: Module, name: str, value: Value, clock: int = 0) -> None:
+    Synthesis makes one of registers that are equal, and places far apart then share the wires of
+    a single line; lines of one flag that differ in how they hold it stay apart.
+
+    Args:
+        m: the module.
+        name: for the registers.
+        value: the flag.
+        clock: at which it is there.
+        inverted: whether the registers hold its opposite.
+        cleared: whether reset clears them.
+    """
+
+    def __init__(
+        self,
+        m: Module,
+        name: str,
+        value: Value,
+        clock: int = 0,
+        *,
+        inverted: bool = False,
+        cleared: bool = True,
+    ) -> None:
         self.m = m
         self.name = name
         self.clock = clock
-        self._taps: list[Value] = [value]
+        self.inverted = inverted
+        self.cleared = cleared
+        self._taps: list[Value] = [~value if inverted else value]
 
     def at(self, clock: int) -> Value:
         """The flag at a clock.
@@ -398,7 +432,12 @@ class FlagLine:
         if clock < self.clock:
             raise ValueError(f"{self.name}: is there at clock {self.clock}, not at {clock}")
         while len(self._taps) <= clock - self.clock:
-            tap = Signal(name=f"{self.name}_{self.clock + len(self._taps)}")
+            tap = Signal(
+                name=f"{self.name}_{self.clock + len(self._taps)}",
+                init=int(self.inverted),
+                reset_less=not self.cleared,
+            )
             self.m.d.sync += tap.eq(self._taps[-1])
             self._taps.append(tap)
-        return self._taps[clock - self.clock]
+        held = self._taps[clock - self.clock]
+        return ~held if self.inverted else held

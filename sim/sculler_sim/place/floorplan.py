@@ -38,8 +38,8 @@ def sites(device: Device, counts: Sequence[int]) -> list[list[str]] | None:
     """nextpnr's names of the blocks for arrays of so many blocks each.
 
     Returns:
-        For each array its blocks, from left to right, in the middle of a row of its own, or one
-        array behind the other if there are too few rows; None if no row takes them.
+        For each array its blocks, from left to right, in a row of its own, or one array behind the
+        other if there are too few rows; None if no row takes them.
     """
     if device.name not in _GRIDS or not counts:
         return None
@@ -51,11 +51,18 @@ def sites(device: Device, counts: Sequence[int]) -> list[list[str]] | None:
         every = [f"X{x + dx}/Y{y}/{name}" for x in grid.columns for dx, name in _FOUR]
         if sum(row) > len(every):
             return None
-        start = (len(every) - sum(row)) // 2 // len(_FOUR) * len(_FOUR)
+        start = _narrowest(grid.columns, -(-sum(row) // len(_FOUR))) * len(_FOUR)
         for count in row:
             found.append(every[start : start + count])
             start += count
     return found
+
+
+def _narrowest(columns: Sequence[int], count: int) -> int:
+    """The first of so many neighbouring columns: the closest ones, of these those in the middle."""
+    starts = range(len(columns) - count + 1)
+    middle = (len(columns) - count) / 2
+    return min(starts, key=lambda i: (columns[i + count - 1] - columns[i], abs(i - middle), i))
 
 
 def fix_blocks(netlist: str, top: str, arrays: Sequence[Sequence[str]], device: Device) -> str:
