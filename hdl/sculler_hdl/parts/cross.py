@@ -48,6 +48,9 @@ CONING_AND_SCULLING = Form(((0, 0), (0, 1), (1, 0)), {"coning": (0,), "sculling"
 SCROLLING = Form(((0, 0), (1, 1), (2, 2)), {"scrolling": (0, 1, 2)})
 """Three cross products of different operands for one total."""
 
+NEAR = 16
+"""Blocks of an array that operands held once still reach: it stretches over some 30 columns."""
+
 _During = Callable[[tuple[int, ...], int, FlagLine], Value]
 
 
@@ -295,15 +298,16 @@ class CrossArray(wiring.Component):
             m.d.sync += high.eq(Cat(flag.at(clock - 1 + step) for step in steps).any())
             return high
 
-        # each pair of operands holds its own, at a word of its own; those that take turns are held
-        # once.  What a reset leaves under way is loaded for nothing: no sum takes a step then.
+        # in a long array each pair of operands holds its own, at a flag of its own.  What a reset
+        # leaves under way is loaded for nothing: no sum takes a step then.
         loads = [
             launch,
             FlagLine(m, "load1", self.launch, inverted=self.inverted, cleared=False),
             FlagLine(m, "load2", self.launch, inverted=not self.inverted, cleared=False),
         ]
         places: dict[tuple[int, str], list[Word]] = {}
-        for pair, names in enumerate(plan.pairs if plan.sharing.crosses == 1 else [plan.operands]):
+        copied = plan.tiles > NEAR and plan.sharing.crosses == 1
+        for pair, names in enumerate(plan.pairs if copied else [plan.operands]):
             for name in names:
                 before = sum(name == other for _, other in places)
                 places[pair, name] = self._places(m, name, loads[pair], before)
@@ -313,7 +317,7 @@ class CrossArray(wiring.Component):
         ) -> Value:
             """Bits of the component in a place, of the operand in turn if they take turns."""
             if plan.sharing.crosses == 1:
-                return places[pair, name][number].window(lo, hi, clock)
+                return places[pair * copied, name][number].window(lo, hi, clock)
             numbers = [cross[side == "right"] for cross in plan.form.crosses]
             chosen, *others = (
                 places[pair, f"{side}{i}"][number].window(lo, hi, clock)
