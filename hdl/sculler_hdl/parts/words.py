@@ -13,7 +13,7 @@ at every level.  Bits that are there early wait in registers.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from amaranth import C, Cat, Module, Signal, Value
@@ -281,8 +281,17 @@ class Sum:
         if root.addend.negative:
             zero = Addend(Interval(0, 0), at_once(1, root.ready), root.addend.low)
             root = self._pair(_Node(zero, root.ready, -1), root)
-        self._root = root
+        self._root = root = self._narrowed(root, sum(bits for bits, _ in root.addend.arrival))
         self.arrival = self._widened(root.addend)
+
+    def _narrowed(self, node: _Node, bits: int) -> _Node:
+        """A node of which only so many bits matter: its parts need no more."""
+        if node.parts is None:
+            return node
+        addend = replace(node.addend, arrival=lowest(node.addend.arrival, bits))
+        end = addend.low + sum(width for width, _ in addend.arrival)
+        a, b = (self._narrowed(part, end - part.addend.low) for part in node.parts)
+        return _Node(addend, node.ready, node.order, (a, b))
 
     @property
     def order(self) -> list[int]:
