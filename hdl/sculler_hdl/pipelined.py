@@ -61,16 +61,21 @@ from sculler_model.throughput import clocks_per_major
 from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS
 from sculler_model.wordlength import Interval
 
-MINOR_CLOCK = Sequencer.latency + 1
-"""At which theta and v take a sample: a clock after A and B, from registers of their own."""
-POSITION_CLOCK = Sequencer.latency + 1
+TAP_CLOCK = 1
+"""At which A and B take a sample."""
+MINOR_CLOCK = 2
+"""At which theta and v do, from registers of their own."""
+POSITION_CLOCK = 2
 """At which high-resolution position does."""
-STATUS_CLOCK = Sequencer.latency + 2
-"""At which a result's status is there."""
+MAJOR_CLOCK = 3
+"""At which the hand-over is told that a result comes; its status follows a clock later."""
 LATENCY_GOAL = 24
 """Clocks from an interval's last sample to its result that sharing is not to pass."""
 POSITION_LATENCY_GOAL = 32
 """The same with high-resolution position, whose operands stand behind more additions."""
+
+_INVERTED = {"gyro": False, "accel": True, "between": False, "within": True}
+"""How the flags of a sensor's parts, of an array are held, which keeps them apart (`FlagLine`)."""
 
 
 class Pace(NamedTuple):
@@ -297,7 +302,7 @@ class Stages:
             return launch, [Operand(range_, later(arrival, -launch)) for range_, arrival in items]
 
         taps_arrivals = [
-            later(part.arrival, Sequencer.latency) for part in (self.gyro_taps, self.accel_taps)
+            later(part.arrival, TAP_CLOCK) for part in (self.gyro_taps, self.accel_taps)
         ]
         self.sample_clock = min(last_clock(arrival[:1]) for arrival in taps_arrivals)
         self.within_launch, (A, B, s, r) = operands(
@@ -378,7 +383,7 @@ class Stages:
         hardware = self.design.hardware
         may = TARGETS[hardware.target].two_results and hardware.handover == "parallel"
         if may and gap <= timing.latency:  # room for a second result wins clocks
-            moves = Moves(self.arrivals, STATUS_CLOCK)
+            moves = Moves(self.arrivals, MAJOR_CLOCK)
             if moves.possible and moves.least_gap <= gap:
                 return Timing(moves.latency, spacing, handover_spacing=moves.refill, results=2)
         return timing
@@ -432,9 +437,9 @@ class PipelinedCore(wiring.Component):
         words, arrivals = design.words, self.stages.arrivals
         if design.hardware.handover == "stream":
             columns = words_per_column(design)
-            self.handover = StreamHandOver(words, columns, arrivals, STATUS_CLOCK)
+            self.handover = StreamHandOver(words, columns, arrivals, MAJOR_CLOCK)
         else:
-            self.handover = HandOver(words, arrivals, STATUS_CLOCK, self.timing.results)
+            self.handover = HandOver(words, arrivals, MAJOR_CLOCK, self.timing.results)
         self.resources = {
             "multipliers": self.plan.tiles,
             "product_units": self.plan.units,
@@ -454,71 +459,80 @@ class PipelinedCore(wiring.Component):
             sequencer.result_taken.eq(handover.taken),
             self.sample_ready.eq(sequencer.sample_ready),
         ]
-        now = Sequencer.latency
+        # the parts of each sensor, which stand together, and the arrays have flags of their own
         flags = {
-            name: FlagLine(m, name, getattr(sequencer, name), now)
-            for name in ("taken", "launch", "minor_end", "major_end")
+            sensor: {
+                name: FlagLine(
+                    m, f"{sensor}_{name}", getattr(sequencer, name), inverted=_INVERTED[sensor]
+                )
+                for name in ("taken", "minor_end", "major_end")
+            }
+            for sensor in ("gyro", "accel")
         }
+        ended = flags["gyro"]["major_end"]
 
-        samples: dict[str, list[Word]] = {}
-        minor_samples: dict[str, list[Value]] = {}  # the same at MINOR_CLOCK
+        tap_samples: dict[str, list[Word]] = {}  # for A and B
+        samples: dict[str, list[Word]] = {}  # for all else, a clock later
         for sensor in ("gyro", "accel"):
             bits = getattr(words, sensor).bits
-            samples[sensor], minor_samples[sensor] = [], []
+            tap_samples[sensor], samples[sensor] = [], []
             for axis in AXES:
                 name = f"{sensor}_{axis}"
                 register = Signal(bits, name=f"{name}_sample", reset_less=True)
                 m.d.sync += register.eq(getattr(self, f"sample_{name}"))
-                samples[sensor].append(Word(m, name, register, at_once(bits, now)))
+                tap_samples[sensor].append(
+                    Word(m, f"{name}_sample", register, at_once(bits, TAP_CLOCK))
+                )
                 # synthesis makes one of registers that are equal, and one could not stand near all
                 # that reads it: the initial value keeps this one apart
                 ones = (1 << bits) - 1
-                apart = Signal(bits, name=f"{name}_of_minor", reset_less=True, init=ones)
+                apart = Signal(bits, name=name, reset_less=True, init=ones)
                 m.d.sync += apart.eq(register)
-                minor_samples[sensor].append(apart)
+                samples[sensor].append(Word(m, name, apart, at_once(bits, MINOR_CLOCK)))
 
         def delayed(sensor: str, clock: int) -> list[Value]:
-            return [word.window(0, len(word.value), clock) for word in samples[sensor]]
+            held = (tap_samples if clock == TAP_CLOCK else samples)[sensor]
+            return [word.window(0, len(word.value), clock) for word in held]
 
-        phase = Word(m, "phase", sequencer.phase, at_once(len(sequencer.phase), now))
+        phase = Word(m, "phase", sequencer.phase, at_once(len(sequencer.phase), TAP_CLOCK))
 
-        def weighted(
-            name: str, weighting: Weighting, taken: list[Value], clock: int
-        ) -> list[Value]:
-            m.submodules[name] = part = WeightedSum(weighting)
-            m.d.comb += part.step.eq(flags["taken"].at(clock))
+        def weighted(name: str, weighting: Weighting, sensor: str, clock: int) -> list[Value]:
+            m.submodules[name] = part = WeightedSum(weighting, inverted=_INVERTED[sensor])
+            m.d.comb += part.step.eq(flags[sensor]["taken"].at(clock))
             if weighting.is_gated:
                 m.d.comb += part.phase.eq(phase.window(0, len(phase.value), clock))
-            for i, sample in enumerate(taken):
+            for i, sample in enumerate(delayed(sensor, clock)):
                 m.d.comb += part.samples[i].eq(sample)
             return [Value.cast(part.output[i]) for i in range(3)]
 
         def of_minor(name: str, plan: Weighting | Running, sensor: str) -> list[Value]:
             if isinstance(plan, Weighting):
-                return weighted(name, plan, minor_samples[sensor], MINOR_CLOCK)
+                return weighted(name, plan, sensor, MINOR_CLOCK)
             outputs: list[Value] = []
-            for axis, sample in zip(AXES, minor_samples[sensor], strict=True):
-                m.submodules[f"{name}_{axis}"] = part = RunningSum(plan)
+            for axis, sample in zip(AXES, delayed(sensor, MINOR_CLOCK), strict=True):
+                m.submodules[f"{name}_{axis}"] = part = RunningSum(plan, inverted=_INVERTED[sensor])
                 m.d.comb += [
-                    part.step.eq(flags["taken"].at(MINOR_CLOCK)),
-                    part.last.eq(flags["minor_end"].at(MINOR_CLOCK)),
+                    part.step.eq(flags[sensor]["taken"].at(MINOR_CLOCK)),
+                    part.last.eq(flags[sensor]["minor_end"].at(MINOR_CLOCK)),
                     part.sample.eq(sample),
                 ]
                 outputs.append(part.output)
             return outputs
 
-        A = weighted("gyro_taps", stages.gyro_taps, delayed("gyro", now), now)
-        B = weighted("accel_taps", stages.accel_taps, delayed("accel", now), now)
+        A = weighted("gyro_taps", stages.gyro_taps, "gyro", TAP_CLOCK)
+        B = weighted("accel_taps", stages.accel_taps, "accel", TAP_CLOCK)
         theta = of_minor("theta", stages.theta, "gyro")
         v = of_minor("v", stages.v, "accel")
         before: dict[str, list[Value]] = {}
-        for name, items in (("alpha", theta), ("nu", v)):
+        for name, items, sensor in (("alpha", theta, "gyro"), ("nu", v, "accel")):
             before[name] = []
             for i, axis in enumerate(AXES):
-                m.submodules[f"{name}_{axis}"] = part = Accumulator(stages.integrals[name])
+                m.submodules[f"{name}_{axis}"] = part = Accumulator(
+                    stages.integrals[name], inverted=_INVERTED[sensor]
+                )
                 m.d.comb += [
-                    part.step.eq(flags["minor_end"].at(part.plan.clock)),
-                    part.last.eq(flags["major_end"].at(part.plan.clock)),
+                    part.step.eq(flags[sensor]["minor_end"].at(part.plan.clock)),
+                    part.last.eq(flags[sensor]["major_end"].at(part.plan.clock)),
                     part.input.eq(items[i]),
                     handover.input[name][i].eq(part.newest),
                 ]
@@ -533,16 +547,15 @@ class PipelinedCore(wiring.Component):
             ),
             "between": (before["alpha"], before["nu"], theta, v),
         }
-        starts = {"within": flags["launch"], "between": flags["minor_end"]}
+        starts = {"within": sequencer.launch, "between": sequencer.minor_end}
         for place, crossing in stages.arrays.items():
             m.submodules[place] = array = CrossArray(
-                crossing, primitive=self.primitive, inverted=place == "within"
+                crossing,
+                stages.launches[place],
+                primitive=self.primitive,
+                inverted=_INVERTED[place],
             )
-            launch = stages.launches[place]
-            m.d.comb += [
-                array.launch.eq(starts[place].at(launch)),
-                array.last.eq(flags["major_end"].at(launch)),
-            ]
+            m.d.comb += [array.launch.eq(starts[place]), array.last.eq(sequencer.major_end)]
             for name, vectors in zip(crossing.operands, operands[place], strict=True):
                 for i in range(3):
                     m.d.comb += getattr(array, name)[i].eq(vectors[i])
@@ -554,11 +567,11 @@ class PipelinedCore(wiring.Component):
 
         if stages.position is not None:
             m.submodules.position = position = Position(stages.position, primitive=self.primitive)
-            first = FlagLine(m, "first", sequencer.first, now)
+            first = FlagLine(m, "first", sequencer.first, 1)
             m.d.comb += [
-                position.step.eq(flags["taken"].at(POSITION_CLOCK)),
+                position.step.eq(flags["gyro"]["taken"].at(POSITION_CLOCK)),
                 position.first.eq(first.at(POSITION_CLOCK)),
-                position.last.eq(flags["major_end"].at(POSITION_CLOCK)),
+                position.last.eq(ended.at(POSITION_CLOCK)),
             ]
             for sensor in samples:
                 for i, sample in enumerate(delayed(sensor, POSITION_CLOCK)):
@@ -570,13 +583,12 @@ class PipelinedCore(wiring.Component):
         # status, and the result to the host
         status = Signal(2)
         news = sequencer.short | sequencer.fault << 1  # STATUS_SHORT_HISTORY, _FAULT
-        with m.If(sequencer.taken):
+        with m.If(flags["gyro"]["taken"].at(1)):
             m.d.sync += status.eq(Mux(sequencer.first, 0, status) | news)
-        at_major_end = Signal(2)  # for the next sample starts another
-        m.d.sync += at_major_end.eq(status)
+        held = Word(m, "status", status, at_once(2, 2))  # for the next sample starts another
         m.d.comb += [
-            handover.major_end.eq(flags["major_end"].at(handover.clock)),
-            handover.status.eq(at_major_end),
+            handover.major_end.eq(ended.at(handover.clock)),
+            handover.status.eq(held.window(0, 2, handover.clock + 1)),
             handover.ready.eq(self.result_ready),
             self.result_valid.eq(handover.valid),
         ]

@@ -86,10 +86,12 @@ class Accumulator(wiring.Component):
 
     Args:
         plan: the plan.
+        inverted: how its flags are held (`FlagLine`), to keep them apart from another's.
     """
 
-    def __init__(self, plan: Accumulation) -> None:
+    def __init__(self, plan: Accumulation, *, inverted: bool = False) -> None:
         self.plan = plan
+        self.inverted = inverted
         super().__init__(
             {
                 "step": In(1),
@@ -103,11 +105,12 @@ class Accumulator(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
-        step = FlagLine(m, "step", self.step, plan.clock)
-        restart = Signal(init=1)  # the newest sum is finished
+        step = FlagLine(m, "step", self.step, plan.clock, inverted=self.inverted)
+        held = Signal(init=int(not self.inverted), name="restart")  # the newest sum is finished
         with m.If(self.step):
-            m.d.sync += restart.eq(self.last)
-        restarts = FlagLine(m, "restart", restart, plan.clock)
+            m.d.sync += held.eq(~self.last if self.inverted else self.last)
+        restart = ~held if self.inverted else held
+        restarts = FlagLine(m, "restart", restart, plan.clock, inverted=self.inverted)
 
         # the newest sum goes round through `sums` - 1 registers more
         before: list[Value] = []

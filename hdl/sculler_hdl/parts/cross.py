@@ -254,7 +254,7 @@ class CrossArray(wiring.Component):
     subtracted.
 
     Members:
-        launch, last (clock 0): the operands are to be taken; the totals are then complete.
+        launch, last (clock -`lead`): the operands are to be taken; the totals are then complete.
         left0, ... right0, ...: vectors, as they arrive.
         coning, sculling, or what the totals are: their components, or the newest of them if axes
             take turns.
@@ -263,12 +263,16 @@ class CrossArray(wiring.Component):
 
     Args:
         plan: the plan.
+        lead: clocks by which its flags come earlier, for they have far to go.
         primitive: whether to instantiate the target's multiplier blocks.
-        inverted: how its flags are held (`FlagLine`), to keep them apart from another array's.
+        inverted: how `last` is held (`FlagLine`), to keep it apart from another array's.
     """
 
-    def __init__(self, plan: Crossing, *, primitive: bool = True, inverted: bool = False) -> None:
+    def __init__(
+        self, plan: Crossing, lead: int = 0, *, primitive: bool = True, inverted: bool = False
+    ) -> None:
         self.plan = plan
+        self.lead = lead
         self.primitive = primitive
         self.inverted = inverted
         super().__init__(
@@ -288,8 +292,7 @@ class CrossArray(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
-        launch = FlagLine(m, "launch", self.launch, inverted=self.inverted)
-        last = FlagLine(m, "last", self.last, inverted=self.inverted)
+        last = FlagLine(m, "last", self.last, -self.lead, inverted=self.inverted)
 
         @cache
         def during(steps: tuple[int, ...], clock: int, flag: FlagLine) -> Value:
@@ -298,47 +301,52 @@ class CrossArray(wiring.Component):
             m.d.sync += high.eq(Cat(flag.at(clock - 1 + step) for step in steps).any())
             return high
 
-        # in a long array each pair of operands holds its own, at a flag of its own.  What a reset
-        # leaves under way is loaded for nothing: no sum takes a step then.
+        # what stands apart has flags of its own: the adders of each total, and in a long array the
+        # operands of each pair.  What a reset leaves under way is loaded for nothing, for no sum
+        # takes a step then.
+        launches = {
+            name: FlagLine(m, f"launch_{name}", self.launch, -self.lead, inverted=i == 1)
+            for i, name in enumerate(plan.form.totals)
+        }
         loads = [
-            launch,
-            FlagLine(m, "load1", self.launch, inverted=self.inverted, cleared=False),
-            FlagLine(m, "load2", self.launch, inverted=not self.inverted, cleared=False),
+            FlagLine(m, f"load{i}", self.launch, -self.lead, inverted=i == 2, cleared=i == 0)
+            for i in range(len(plan.pairs))
         ]
         places: dict[tuple[int, str], list[Word]] = {}
         copied = plan.tiles > NEAR and plan.sharing.crosses == 1
-        for pair, names in enumerate(plan.pairs if copied else [plan.operands]):
+        for group, names in enumerate(plan.pairs if copied else [plan.operands]):
             for name in names:
-                before = sum(name == other for _, other in places)
-                places[pair, name] = self._places(m, name, loads[pair], before)
+                copy = sum(name == other for _, other in places)
+                places[group, name] = self._places(m, name, loads[group], copy)
 
         def at_place(
-            side: str, pair: int, name: str, number: int, lo: int, hi: int, clock: int
+            side: str, group: int, name: str, number: int, lo: int, hi: int, clock: int
         ) -> Value:
             """Bits of the component in a place, of the operand in turn if they take turns."""
             if plan.sharing.crosses == 1:
-                return places[pair * copied, name][number].window(lo, hi, clock)
+                return places[group, name][number].window(lo, hi, clock)
             numbers = [cross[side == "right"] for cross in plan.form.crosses]
             chosen, *others = (
-                places[pair, f"{side}{i}"][number].window(lo, hi, clock)
+                places[group, f"{side}{i}"][number].window(lo, hi, clock)
                 for i in range(max(numbers) + 1)
             )
             for i, other in enumerate(others, start=1):
                 turn = plan.steps_where(cross=numbers.index(i))
-                chosen = Mux(during(tuple(turn), clock, launch), other, chosen)
+                chosen = Mux(during(tuple(turn), clock, loads[group]), other, chosen)
             return chosen
 
         def seen(side: str, pair: int, forward: int, backward: int, axis: int) -> Word:
             """A unit's operand: from the place of the forward product, or of the one in turn."""
-            name = plan.pairs[pair][side == "right"]
+            name, group = plan.pairs[pair][side == "right"], pair if copied else 0
             arrival = plan.seen[name].arrival
             word_name = f"{side}{pair}_{forward}_{axis}"
             bits: list[Value] = []
             for lo, hi, clock in spans(arrival):
-                chosen = at_place(side, pair, name, forward, lo, hi, clock)
+                chosen = at_place(side, group, name, forward, lo, hi, clock)
                 if plan.sharing.sides == 2:
-                    swap = during(tuple(plan.steps_where(side=1)), clock, launch)
-                    chosen = Mux(swap, at_place(side, pair, name, backward, lo, hi, clock), chosen)
+                    swap = during(tuple(plan.steps_where(side=1)), clock, loads[group])
+                    other = at_place(side, group, name, backward, lo, hi, clock)
+                    chosen = Mux(swap, other, chosen)
                 piece = Signal(hi - lo, name=f"{word_name}_{lo}")
                 m.d.comb += piece.eq(chosen)
                 bits.append(piece)
@@ -361,12 +369,12 @@ class CrossArray(wiring.Component):
                     )
                 values.append(found)
             built: dict[tuple[int, ...], Word] = {}
-            for name in plan.form.totals:
+            for name, launch in launches.items():
                 mine = tuple(plan.pairs_of(name))
                 if mine not in built:
                     terms = [value for pair in mine for value in values[pair]]
                     built[mine] = plan.sums[name].build(m, f"{name}_{AXES[lane]}", terms)
-                adder = Accumulator(plan.adders[name])
+                adder = Accumulator(plan.adders[name], inverted=launch.inverted)
                 m.submodules[f"{name}_{AXES[lane]}_total"] = adder
                 steps = plan.steps_of(name)
                 final = steps[-plan.sharing.axes :]

@@ -32,14 +32,14 @@ def complete_clock(arrivals: Arrivals) -> int:
 class _Collector:
     """Takes the bits of a result where each comes by, at the clocks after `major_end`.
 
-    The within array's bits have a line of their own, for they come from elsewhere.  What is still
-    under way at a reset is taken all the same, but before anything of the next result is.
+    The bits of each array and of alpha and nu have a line of their own, for they come from
+    different places.  What is still under way at a reset may be taken all the same, but before
+    anything of the next result is.
     """
 
     def __init__(self, m: Module, major_end: Value, clock: int, arrivals: Arrivals) -> None:
         self.arrivals = arrivals
-        self.line = FlagLine(m, "major_end", major_end, clock)
-        self.takes = _two_lines(m, "takes", major_end, clock)
+        self.takes = _Lines(m, "takes", major_end, clock)
 
     def pieces(self, source: Value) -> Iterator[tuple[str, int, int, int, Value, Value]]:
         """(vector, axis, first bit, clock, pulse, bits) of each piece of the result."""
@@ -47,18 +47,22 @@ class _Collector:
             for axis, arrival in enumerate(three):
                 for lo, hi, clock in spans(arrival):
                     bits = Value.cast(source[name][axis])[lo:hi]
-                    yield name, axis, lo, clock, _line_of(name, self.takes).at(clock), bits
+                    yield name, axis, lo, clock, self.takes.of(name).at(clock), bits
 
 
-def _two_lines(m: Module, name: str, value: Value, clock: int = 0) -> tuple[FlagLine, FlagLine]:
-    """A flag that moves data, once for the within array's."""
-    within = FlagLine(m, f"{name}_within", value, clock, inverted=True, cleared=False)
-    return FlagLine(m, name, value, clock, cleared=False), within
+class _Lines:
+    """A flag that moves data: one line for each array, one for the rest."""
 
+    def __init__(self, m: Module, name: str, value: Value, clock: int = 0) -> None:
+        self.within = FlagLine(m, f"{name}_within", value, clock, inverted=True, cleared=False)
+        self.between = FlagLine(m, f"{name}_between", value, clock, cleared=False)
+        self.rest = FlagLine(m, name, value, clock, inverted=True)
 
-def _line_of(vector: str, lines: tuple[FlagLine, FlagLine]) -> FlagLine:
-    """The one that a vector is moved by."""
-    return lines[vector.endswith("_within")]
+    def of(self, vector: str) -> FlagLine:
+        """The one that a vector's bits are moved by."""
+        if vector.endswith("_within"):
+            return self.within
+        return self.between if vector.endswith("_between") else self.rest
 
 
 class Moves:
@@ -69,9 +73,11 @@ class Moves:
 
     Args:
         arrivals: when the bits are there.
-        clock: when the result's status is.
+        clock: of `major_end`, a clock before the result's status is there.
 
     Attributes:
+        way: clocks from the decision that a result goes to where its first bits do: registers on
+            the way to all of them.
         start: the clock before the first bits go, if the ports are free.
         latency: clocks from an interval's last sample to `valid`.
         refill: clocks from when a result is taken to when one that waits is on the ports.
@@ -80,15 +86,20 @@ class Moves:
             before, the first has been taken.
     """
 
+    way = 3
+
     def __init__(self, arrivals: Arrivals, clock: int) -> None:
         complete = complete_clock(arrivals)
-        self.steps = min(6, complete - clock)
+        self.steps = min(6, complete - clock + 2 - self.way)
         self.start = complete - self.steps + 1
         self.latency = complete + 2
-        self.refill = self.steps + 4
-        comes = {clock, *(when for three in arrivals.values() for one in three for _, when in one)}
+        self.refill = self.way + self.steps + 2
+        comes = {
+            clock + 1,
+            *(when for three in arrivals.values() for one in three for _, when in one),
+        }
         self.least_gap = max(self.start + 1 + self.step(when) - when for when in comes)
-        self.possible = all(when > self.step(when) + 2 for when in comes)
+        self.possible = all(when > self.step(when) + self.way for when in comes)
 
     def step(self, clock: int) -> int:
         """The step in which bits go that come at a clock."""
@@ -107,7 +118,7 @@ class HandOver(wiring.Component):
 
     Members:
         major_end (clock `clock`): the result of a major interval is on its way.
-        status (clock `clock`): its status.
+        status (clock `clock` + 1): its status.
         input: the bits of its components, as `arrivals` says.
         ready, valid, taken: the host's handshake; `taken` in the clock it takes the result.
         shown_major, shown_status, output: what the host sees; nothing of use while `valid` is low.
@@ -153,32 +164,34 @@ class HandOver(wiring.Component):
         m.d.sync += was_taken.eq(self.taken)
         m.d.comb += self.shown_major.eq(_counter(m, was_taken, PORT_MAJOR_BITS))
 
-        pieces = [("status", self.clock, self.major_end, self.status, self.shown_status)]
+        status_clock = self.clock + 1
+        status_pulse = collector.takes.rest.at(status_clock)
+        pieces = [("status", status_clock, status_pulse, self.status, self.shown_status)]
         for name, axis, lo, clock, pulse, bits in collector.pieces(self.input):
             port = self.output[name][axis][lo : lo + len(bits)]
             pieces.append((name, clock, pulse, bits, port))
         if self.moves is None:
-            show = collector.line.at(self.complete)
+            show = collector.takes.rest.at(self.complete)
             for _, _, pulse, bits, port in pieces:
                 with m.If(pulse):
                     m.d.sync += port.eq(bits)
         else:
-            starts = self._starts(m, self.moves, collector.line, was_taken)
-            show = FlagLine(m, "show", starts).at(1 + self.moves.steps)
-            lines = _two_lines(m, "moves", starts)
+            starts = self._starts(m, self.moves, collector.takes.rest, was_taken)
+            show = FlagLine(m, "show", starts).at(self.moves.way + self.moves.steps - 1)
+            lines = _Lines(m, "moves", starts)
             for i, (name, clock, pulse, bits, port) in enumerate(pieces):
                 collected = Signal(len(bits), name=f"collected{i}_{name}", reset_less=True)
                 with m.If(pulse):
                     m.d.sync += collected.eq(bits)
-                with m.If(_line_of(name, lines).at(2 + self.moves.step(clock))):
+                with m.If(lines.of(name).at(self.moves.way + self.moves.step(clock))):
                     m.d.sync += port.eq(collected)
         m.d.sync += self.valid.eq(show | (self.valid & ~self.ready))
         return m
 
     def _starts(self, m: Module, moves: Moves, line: FlagLine, taken: Value) -> Value:
-        """Two clocks before a result moves: it is due, and the one before it has been taken."""
+        """The decision that a result goes: it is due, and the one before it has been taken."""
         waits, busy, starts = Signal(), Signal(), Signal()
-        due = line.at(moves.start - 1) | waits
+        due = line.at(moves.start + 1 - moves.way) | waits
         m.d.comb += starts.eq(due & ~busy)
         m.d.sync += [waits.eq(due & busy), busy.eq(starts | (busy & ~taken))]
         return starts
@@ -197,7 +210,7 @@ class StreamHandOver(wiring.Component):
 
     Members:
         major_end (clock `clock`): the result of a major interval is on its way.
-        status (clock `clock`): its status.
+        status (clock `clock` + 1): its status.
         input: the bits of its components, as `arrivals` says.
         ready, valid: the host's handshake for each word; data, last: the word.
         taken: in the clock the host takes the last word.
@@ -271,11 +284,9 @@ class StreamHandOver(wiring.Component):
         with m.If(self.major_end):
             for i in range(self.column_words):
                 m.d.sync += words[i].eq(major.word_select(i, WORD_BITS))
-            m.d.sync += [
-                words[self.column_words].eq(self.status),
-                left.eq(count - 1),
-                self.last.eq(0),
-            ]
+            m.d.sync += [left.eq(count - 1), self.last.eq(0)]
+        with m.If(collector.takes.rest.at(self.clock + 1)):
+            m.d.sync += words[self.column_words].eq(self.status)
         for name, axis, lo, _, pulse, bits in collector.pieces(self.input):
             column = self.columns.index(f"{name}_{AXES[axis]}")
             total = Value.cast(self.input[name][axis])
@@ -289,7 +300,7 @@ class StreamHandOver(wiring.Component):
                     word = words[column * self.column_words + number]
                     m.d.sync += word[offset : offset + len(part)].eq(part)
                     lo += len(part)
-        with m.If(collector.line.at(self.complete)):
+        with m.If(collector.takes.rest.at(self.complete)):
             m.d.sync += self.valid.eq(1)
         return m
 

@@ -409,18 +409,15 @@ class Position(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
-        step, first, last = (
-            FlagLine(m, name, getattr(self, name)) for name in ("step", "first", "last")
-        )
+        step, first = (FlagLine(m, name, getattr(self, name)) for name in ("step", "first"))
         weight = Signal(range(plan.samples + 1), init=plan.samples - 1 or plan.samples)
         with m.If(self.step):
             m.d.sync += weight.eq(Mux(weight == 1, plan.samples, weight - 1))
 
-        m.submodules.scrolling = array = CrossArray(plan.crossing, primitive=self.primitive)
-        m.d.comb += [
-            array.launch.eq(step.at(plan.launch)),
-            array.last.eq(last.at(plan.launch)),
-        ]
+        m.submodules.scrolling = array = CrossArray(
+            plan.crossing, plan.launch, primitive=self.primitive
+        )
+        m.d.comb += [array.launch.eq(self.step), array.last.eq(self.last)]
         for i, axis in enumerate(AXES):
             factors: dict[str, Value] = {}
             now: dict[str, Value] = {}

@@ -56,10 +56,12 @@ class RunningSum(wiring.Component):
 
     Args:
         plan: the plan.
+        inverted: how its flags are held (`FlagLine`), to keep them apart from another's.
     """
 
-    def __init__(self, plan: Running) -> None:
+    def __init__(self, plan: Running, *, inverted: bool = False) -> None:
         self.plan = plan
+        self.inverted = inverted
         super().__init__(
             {
                 "step": In(1),
@@ -71,7 +73,8 @@ class RunningSum(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
-        step, last = FlagLine(m, "step", self.step), FlagLine(m, "last", self.last)
+        step = FlagLine(m, "step", self.step, inverted=self.inverted)
+        last = FlagLine(m, "last", self.last, inverted=self.inverted)
         bits = plan.result.bits
         total = Signal(bits)
         made = add(

@@ -18,17 +18,16 @@ class Sequencer(wiring.Component):
     Members:
         sample_valid, sample_ready, sample_fault: the sample port's handshake.
         result_taken (in): the host takes the waiting result, to its last word, in this clock.
-        taken (out): a sample was taken in the clock before.  What follows is of that sample.
-        launch: its phase has a non-zero tap row, or is its minor interval's last.
-        minor_end, major_end: it is the last of its minor, major interval.
-        phase: k - 1 = 0..n-1.
+        taken (out): a sample is taken in this clock.
+        launch: one whose phase has a non-zero tap row, or is its minor interval's last.
+        minor_end, major_end: one that is the last of its minor, major interval.
+    In the clock after:
+        phase: its k - 1 = 0..n-1.
         first: it is the first of its major interval.
         short: a tap or weight in use, or high-resolution position, reached before the first sample
             since reset.
         fault: the sensor's own mark.
-    Where no sample was taken, launch, minor_end and major_end are 0 and the others mean nothing.
-
-    Latency 1 from a sample to its flags.
+    Where no sample was taken these mean nothing.
 
     Args:
         design: the design.
@@ -36,8 +35,6 @@ class Sequencer(wiring.Component):
         results: that may be under way or wait to be taken, 1 or 2; 2 needs major intervals of
             three samples or more.
     """
-
-    latency = 1
 
     def __init__(self, design: Design, spacing: int, results: int = 1) -> None:
         self.design = design
@@ -137,11 +134,13 @@ class Sequencer(wiring.Component):
             is_short = is_one_of(age, [t for t, value in enumerate(short) if value])
             m.d.sync += self.short.eq(is_short)
 
-        m.d.sync += [
+        m.d.comb += [
             self.taken.eq(accept),
             self.launch.eq(accept & launch),
             self.minor_end.eq(accept & ends_minor),
             self.major_end.eq(accept & ends_major),
+        ]
+        m.d.sync += [
             self.phase.eq(phase),
             self.first.eq(first),
             self.fault.eq(self.sample_fault),

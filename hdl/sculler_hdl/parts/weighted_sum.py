@@ -168,10 +168,12 @@ class WeightedSum(wiring.Component):
 
     Args:
         plan: the plan.
+        inverted: how its flags are held (`FlagLine`), to keep them apart from another's.
     """
 
-    def __init__(self, plan: Weighting) -> None:
+    def __init__(self, plan: Weighting, *, inverted: bool = False) -> None:
         self.plan = plan
+        self.inverted = inverted
         super().__init__(
             {
                 "step": In(1),
@@ -183,7 +185,7 @@ class WeightedSum(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
-        step = FlagLine(m, "step", self.step)
+        step = FlagLine(m, "step", self.step, inverted=self.inverted)
         gates: dict[tuple[int, ...], Value] = {}
         for terms in plan.terms.values():
             for term in terms:
