@@ -29,14 +29,14 @@ def speed_area_picture(path: Path, rows: Sequence[tuple[str, int, float]]) -> No
                 ls="none",
                 label=f"{number}  {label}",
             )
-            side = 1 if number % 2 else -1  # neighbours in speed to different sides
+            above = number % 2 == 1  # and on the left; its neighbours in speed below, on the right
             axes.annotate(
                 str(number),
                 (luts, rate),
-                xytext=(9 * side, 0),
+                xytext=(-5, 4) if above else (5, -4),
                 textcoords="offset points",
-                ha="left" if side > 0 else "right",
-                va="center",
+                ha="right" if above else "left",
+                va="bottom" if above else "top",
             )
         axes.margins(0.1)
         axes.set(
