@@ -368,13 +368,19 @@ class Stages:
 
     @property
     def blocks(self) -> list[list[str]]:
-        """The arrays' multiplier blocks (`Crossing.blocks`): names of submodules of the core."""
-        found = [
-            [f"{place}.{name}" for name in array.blocks] for place, array in self.arrays.items()
-        ]
+        """The arrays' multiplier blocks in groups (`Crossing.blocks`), the longest group first.
+
+        Names of submodules of the core.
+        """
+        arrays = dict(self.arrays)
         if self.position is not None:
-            found.append([f"position.scrolling.{name}" for name in self.position.crossing.blocks])
-        return found
+            arrays["position.scrolling"] = self.position.crossing
+        groups = [
+            [f"{place}.{name}" for name in group]
+            for place, array in arrays.items()
+            for group in array.blocks
+        ]
+        return sorted(groups, key=len, reverse=True)
 
     def timing(self, spacing: int) -> Timing:
         """The clocks that it takes, if samples come in `spacing` clocks at the fastest."""

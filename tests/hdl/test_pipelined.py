@@ -138,15 +138,28 @@ def test_room_for_a_second_result_buys_time_for_additions():
     assert timing(design).results == 1
 
 
-@pytest.mark.parametrize("name", ["stim300_4x5", "dense_time_3", "taylor_3p3"])
+@pytest.mark.parametrize("name", ["stim300_4x5", "dense_time_3", "taylor_3p3", "wide_5p0"])
 def test_every_block_is_named_once_where_it_stands(name):
     generated = generate(with_hardware(DESIGNS[name], target="ecp5"))
-    arrays = generated.manifest["resources"]["blocks"]
+    groups = generated.manifest["resources"]["blocks"]
     instances = re.findall(r"MULT18X18D #\(.*?\) \\(\S+)", generated.verilog, re.DOTALL)
-    assert sorted(f"{block}.block" for array in arrays for block in array) == sorted(instances)
+    assert sorted(f"{block}.block" for group in groups for block in group) == sorted(instances)
     assert len(instances) == generated.manifest["resources"]["multipliers"]
-    for array in arrays:
-        assert len({block.partition(".")[0] for block in array}) == 1
+    for group in groups:
+        assert len({block.partition(".")[0] for block in group}) == 1
+
+
+def test_blocks_of_a_long_array_are_grouped_by_total():
+    """32 bits: A x r and B x s, then what the between array has, then A x s."""
+    design = with_hardware(DESIGNS["wide_5p0"], target="ecp5")
+    groups = generate(design).manifest["resources"]["blocks"]
+    found = [{re.match(r"(\w+\.unit\d)_", block)[1] for block in group} for group in groups]
+    assert found == [
+        {"within.unit1", "within.unit2"},
+        {"between.unit0", "between.unit1", "between.unit2"},
+        {"within.unit0"},
+    ]
+    assert [len(group) for group in groups] == [24, 24, 12]
 
 
 VARIANTS = [

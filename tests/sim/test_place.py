@@ -58,7 +58,7 @@ def test_a_row_takes_the_blocks_of_an_array(name):
     assert sites(DEVICES[name], [blocks // rows + 1]) is None
 
 
-def test_arrays_get_rows_of_their_own_and_share_the_only_one():
+def test_groups_get_rows_of_their_own_and_share_the_only_one():
     first, second = sites(DEVICES["LFE5U-85F"], [24, 24])
     (columns, y), (others, other_y) = columns_and_row(first), columns_and_row(second)
     assert columns == others
@@ -68,6 +68,15 @@ def test_arrays_get_rows_of_their_own_and_share_the_only_one():
     assert columns_and_row(first)[1] == columns_and_row(second)[1]
     assert not set(first) & set(second)
     assert max(columns_and_row(first)[0]) < min(columns_and_row(second)[0])
+
+
+def test_a_group_goes_where_fewest_others_are():
+    found = [columns_and_row(places) for places in sites(DEVICES["LFE5U-85F"], [24, 24, 12, 8])]
+    rows = [row for _, row in found]
+    assert len(set(rows)) == 3
+    assert rows[3] == rows[2]
+    assert max(found[2][0]) < min(found[3][0])
+    assert [len(columns) for columns, _ in found] == [24, 24, 12, 8]
 
 
 def test_other_devices_and_cores_are_left_to_nextpnr():
@@ -81,11 +90,11 @@ def test_blocks_stand_where_the_plan_says(tools):
     design = small("planned", target="ecp5")
     generated = generate(design)
     made = synthesise(generated, "ecp5")
-    arrays = generated.manifest["resources"]["blocks"]
-    cells = json.loads(fix_blocks(made.placed, made.top, arrays, ECP5))["modules"][made.top][
+    groups = generated.manifest["resources"]["blocks"]
+    cells = json.loads(fix_blocks(made.placed, made.top, groups, ECP5))["modules"][made.top][
         "cells"
     ]
-    places = [cells[f"{name}.block"]["attributes"]["BEL"] for array in arrays for name in array]
+    places = [cells[f"{name}.block"]["attributes"]["BEL"] for group in groups for name in group]
     assert [places] == sites(ECP5, [18])
     assert sum("BEL" in cell["attributes"] for cell in cells.values()) == 18
 

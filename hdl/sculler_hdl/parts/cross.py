@@ -51,6 +51,9 @@ SCROLLING = Form(((0, 0), (1, 1), (2, 2)), {"scrolling": (0, 1, 2)})
 NEAR = 16
 """Blocks of an array that operands held once still reach: it stretches over some 30 columns."""
 
+LONG = 24
+"""Blocks of an array that still can stand in one row: six fours, some 54 columns."""
+
 _During = Callable[[tuple[int, ...], int, FlagLine], Value]
 
 
@@ -196,12 +199,13 @@ class Crossing:
         return f"unit{pair}_{AXES[lane]}{number}"
 
     @property
-    def blocks(self) -> list[str]:
+    def blocks(self) -> list[list[str]]:
         """The array's multiplier blocks, those next to each other whose products are added first.
 
-        Names of submodules.
+        In one group, or one for each total in a long array whose axes take turns.  Names of
+        submodules.
         """
-        found: dict[str, None] = {}
+        groups: list[list[str]] = []
         for lane in range(self.lanes):
             for total, added in self.sums.items():
                 terms: list[str | None] = []
@@ -210,8 +214,13 @@ class Crossing:
                     for number in range(self.sides):
                         terms += product.block_names(self.unit_name(pair, lane, number))
                         terms += [None] * product.rows
-                found |= {block: None for i in added.order if (block := terms[i]) is not None}
-        return list(found)
+                added_up = [block for i in added.order if (block := terms[i]) is not None]
+                seen = {block for group in groups for block in group}  # totals may take turns
+                if not seen.issuperset(added_up):
+                    groups.append([block for block in added_up if block not in seen])
+        if self.tiles > LONG and self.lanes == 1:
+            return groups
+        return [[block for group in groups for block in group]]
 
     def pairs_of(self, total: str) -> Sequence[int]:
         """The pairs of operands whose products a step forms for a total."""

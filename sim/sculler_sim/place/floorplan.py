@@ -2,7 +2,8 @@
 
 A device's blocks stand in a few rows across it, and nextpnr puts those of one sum into different
 rows, or at both ends of one, from which no register on the way makes up for the wires.  So each
-array of products (`Crossing.blocks`) gets a row, or a part of one; all else is nextpnr's choice.
+group of an array's blocks (`Crossing.blocks`) gets a row, or a part of one; all else is nextpnr's
+choice.
 """
 
 from __future__ import annotations
@@ -35,27 +36,30 @@ _GRIDS = {
 
 
 def sites(device: Device, counts: Sequence[int]) -> list[list[str]] | None:
-    """nextpnr's names of the blocks for arrays of so many blocks each.
+    """nextpnr's names of the blocks for groups of so many blocks each.
 
     Returns:
-        For each array its blocks, from left to right, in a row of its own, or one array behind the
-        other if there are too few rows; None if no row takes them.
+        For each group its blocks, from left to right, in the row that has fewest others, behind
+        those that came there before; None if no row takes them.
     """
     if device.name not in _GRIDS or not counts:
         return None
     grid = _GRIDS[device.name]
-    found: list[list[str]] = []
-    shared = len(counts) > len(grid.rows)
-    rows = [list(counts)] if shared else [[count] for count in counts]
-    for y, row in zip(grid.rows, rows, strict=False):
+    found: dict[int, list[str]] = {}
+    rows: dict[int, list[int]] = {y: [] for y in grid.rows}
+    for group in range(len(counts)):
+        emptiest = min(rows.values(), key=lambda row: sum(counts[other] for other in row))
+        emptiest.append(group)
+    for y, row in ((y, row) for y, row in rows.items() if row):
         every = [f"X{x + dx}/Y{y}/{name}" for x in grid.columns for dx, name in _FOUR]
-        if sum(row) > len(every):
+        total = sum(counts[group] for group in row)
+        if total > len(every):
             return None
-        start = _narrowest(grid.columns, -(-sum(row) // len(_FOUR))) * len(_FOUR)
-        for count in row:
-            found.append(every[start : start + count])
-            start += count
-    return found
+        start = _narrowest(grid.columns, -(-total // len(_FOUR))) * len(_FOUR)
+        for group in row:
+            found[group] = every[start : start + counts[group]]
+            start += counts[group]
+    return [found[group] for group in range(len(counts))]
 
 
 def _narrowest(columns: Sequence[int], count: int) -> int:
@@ -65,23 +69,23 @@ def _narrowest(columns: Sequence[int], count: int) -> int:
     return min(starts, key=lambda i: (columns[i + count - 1] - columns[i], abs(i - middle), i))
 
 
-def fix_blocks(netlist: str, top: str, arrays: Sequence[Sequence[str]], device: Device) -> str:
+def fix_blocks(netlist: str, top: str, groups: Sequence[Sequence[str]], device: Device) -> str:
     """Give the blocks of a netlist (Yosys, JSON) their places, as attributes that nextpnr obeys.
 
     Args:
         netlist: the netlist.
         top: its module.
-        arrays: the instances of blocks, array by array, as the manifest's `resources.blocks`.
+        groups: the instances of blocks, as the manifest's `resources.blocks`.
         device: the device.
 
     Returns:
         The netlist; as it was if the device has no such blocks, or not in rows that take them.
     """
     cells = json.loads(netlist)
-    found = sites(device, [len(array) for array in arrays])
+    found = sites(device, [len(group) for group in groups])
     if found is None:
         return netlist
-    for array, places in zip(arrays, found, strict=True):
-        for name, place in zip(array, places, strict=True):
+    for group, places in zip(groups, found, strict=True):
+        for name, place in zip(group, places, strict=True):
             cells["modules"][top]["cells"][f"{name}.block"]["attributes"]["BEL"] = place
     return json.dumps(cells)

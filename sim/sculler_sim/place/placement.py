@@ -178,7 +178,8 @@ class Placer:
     """Takes one design into one device, doing each step once and only when it is needed.
 
     What Yosys and nextpnr found is kept in the cache folder, under a hash of the Verilog, the
-    device, the seed, the tools' versions and this package's source; netlists are not kept.
+    order of its blocks, the device, the seed, the tools' versions and this package's source;
+    netlists are not kept.
     """
 
     def __init__(self, design: Design, device: Device, speed: int | None) -> None:
@@ -192,6 +193,7 @@ class Placer:
         tools = [YOSYS, *([NEXTPNR[device.family]] if device.routed else [])]
         self.tools = {tool.package: tool.version() for tool in tools}
         self.generated: Generated = generate(design)
+        self.blocks = self.generated.manifest["resources"].get("blocks", [])
         self._once = Lock()
         self._synthesis: Synthesis | None = None
 
@@ -246,8 +248,7 @@ class Placer:
             register = Names(made.top, made.placed).register
             netlist = made.placed
             if self.design.hardware.target == "ecp5":
-                blocks = self.generated.manifest["resources"].get("blocks", [])
-                netlist = fix_blocks(netlist, made.top, blocks, self.device)
+                netlist = fix_blocks(netlist, made.top, self.blocks, self.device)
             return asdict(nextpnr.route(self.device, self.speed, netlist, seed, register))
 
         found = self._kept(f"seed {seed}", run)
@@ -256,10 +257,9 @@ class Placer:
     def _kept(self, what: str, find: Callable[[], dict[str, Any]]) -> dict[str, Any]:
         """A finding from the cache, or newly found."""
         source = [path.read_bytes() for path in sorted(_PACKAGE.glob("*.py"))]
-        made_of = [self.device.title(self.speed), what, json.dumps(self.tools, sort_keys=True)]
-        path = cache.entry(
-            f"place-{self.design.name}", ".json", self.generated.verilog, *made_of, *source
-        )
+        made_of = [self.generated.verilog, json.dumps(self.blocks), self.device.title(self.speed)]
+        made_of += [what, json.dumps(self.tools, sort_keys=True)]
+        path = cache.entry(f"place-{self.design.name}", ".json", *made_of, *source)
         if not path.exists():
             found = json.dumps(find())
             with replacing(path) as temporary:
