@@ -8,6 +8,7 @@ from sculler_model.navigation.fine_alignment import (
     align_finely,
 )
 from sculler_model.navigation.geographic import GeographicNavigator
+from sculler_model.navigation.gravity import Gravity, constant_gravity, table_of_gravity
 from sculler_model.navigation.navigator import (
     HeightDamping,
     Mechanisation,
@@ -24,6 +25,7 @@ __all__ = [
     "AxisMap",
     "FineAlignment",
     "GeographicNavigator",
+    "Gravity",
     "HeightDamping",
     "Mechanisation",
     "NavHistory",
@@ -32,6 +34,8 @@ __all__ = [
     "SensorNoise",
     "align",
     "align_finely",
+    "constant_gravity",
     "navigate",
+    "table_of_gravity",
     "trajectory",
 ]

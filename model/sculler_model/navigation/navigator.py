@@ -18,6 +18,7 @@ from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.compiled import compiled_run
 from sculler_model.navigation.earth import GRAVITY_EQUATOR, SEMI_MAJOR_AXIS
+from sculler_model.navigation.gravity import NORMAL, Gravity, covers, refuse_outside
 from sculler_model.navigation.rotation import Real, Vector, to_dcm
 from sculler_model.navigation.state import (
     MAX_HEIGHT,
@@ -119,10 +120,11 @@ class Navigator:
         position_every: j: position, gravity, Earth rate and curvature are worked out every j-th
             interval and extrapolated in between (Savage-98 Eq. 9, 19).
         height_damping: a loop that holds the height; none if left out.
+        gravity: the model to navigate by.
 
     Raises:
-        InputError: the state is not one to navigate from (see `check_state`), or an argument is
-            out of its range.
+        InputError: the state is not one to navigate from (see `check_state`), is outside a gravity
+            table, or an argument is out of its range.
     """
 
     def __init__(
@@ -132,8 +134,10 @@ class Navigator:
         *,
         position_every: int = 1,
         height_damping: HeightDamping | None = None,
+        gravity: Gravity = NORMAL,
     ) -> None:
         check_state(state)
+        refuse_outside(gravity, state.time, state.lat, state.h)
         if not (isfinite(interval) and interval > 0):
             raise InputError(f"interval: {interval} s is not allowed, give a number > 0")
         if position_every < 1:
@@ -146,10 +150,10 @@ class Navigator:
                 f" intervals of {interval:g} s, give at least {10 * interval:g} s"
             )
         damping = height_damping.gains if height_damping else (0.0, 0.0, 0.0, 0.0)
-        self._plain = Settings(interval, int(position_every), False, damping)
+        self._plain = Settings(interval, int(position_every), False, damping, gravity)
         self._high_resolution = self._plain._replace(high_resolution=True)
         self._start, self._updates = state.time, 0
-        self._level = level(state.q, state.v, state.lat, state.lon, state.h, state.wander)
+        self._level = level(state.q, state.v, state.lat, state.lon, state.h, state.wander, gravity)
         self._state: NavState | None = state
 
     @property
@@ -183,7 +187,7 @@ class Navigator:
             The state at the interval's end.
 
         Raises:
-            InputError: a number is not finite, or the height has run away.
+            InputError: a number is not finite, the height has run away, or the gravity table ends.
         """
         if not isfinite(sum(phi) + sum(dv_sf) + (sum(dr_sf) if dr_sf else 0.0)):
             raise self._not_finite()
@@ -192,8 +196,8 @@ class Navigator:
         self._level = step(self._level, settings, phi, dv_sf, dr)
         self._updates += 1
         self._state = None
-        if not MIN_HEIGHT <= self.state.h <= MAX_HEIGHT:
-            raise self._run_away(self.state.h)
+        if not covers(self._plain.gravity, self.state.lat, self.state.h):
+            self._left_gravity()
         return self.state
 
     def run(self, increments: MajorIncrements, *, compiled: bool | None = None) -> NavHistory:
@@ -209,8 +213,8 @@ class Navigator:
             The states at the R interval ends.
 
         Raises:
-            InputError: an increment is not finite or missing, the height has run away, or
-                `compiled` is asked for without Numba.
+            InputError: an increment is not finite or missing, the height has run away, the gravity
+                table ends, or `compiled` is asked for without Numba.
         """
         arrays = [increments.phi, increments.dv_sf]
         if increments.dr_sf is not None:
@@ -239,7 +243,7 @@ class Navigator:
         self._state = None
         if done < len(phi):
             self._updates += done + 1 - len(phi)
-            raise self._run_away(self.state.h)
+            self._left_gravity()
         return NavHistory.from_table(times, table)
 
     def _times(self, updates: Real) -> Real:
@@ -259,11 +263,9 @@ class Navigator:
             f"after {self.state.time:.3f} s: an increment is not finite, mend the vectors"
         )
 
-    def _run_away(self, h: float) -> InputError:
-        return InputError(
-            f"time {self.state.time:.3f} s: the height has run away to {h:.4g} m, as a free"
-            " vertical channel does, damp it or navigate for a shorter time"
-        )
+    def _left_gravity(self) -> None:
+        """Say where the track left what the model of gravity holds for."""
+        refuse_outside(self._plain.gravity, self.state.time, self.state.lat, self.state.h)
 
 
 def _first(vectors: Array) -> Vector:
