@@ -12,10 +12,11 @@ import pytest
 from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
 from sculler_model.motion import at_rest
-from sculler_model.navigation import GeographicNavigator, Navigator, earth
+from sculler_model.navigation import GeographicNavigator, Navigator, align, earth
 from sculler_model.navigation.compiled import compiled_run
 from sculler_model.navigation.exact import exact_increments
 from sculler_model.navigation.gravity import (
+    NORMAL,
     Gravity,
     constant_gravity,
     covers,
@@ -195,6 +196,14 @@ def test_a_track_that_leaves_the_table_is_told(kind: str) -> None:
         run(block)
     with pytest.raises(InputError, match="outside the gravity table"):
         type(navigator)(start._replace(lat=0.0), 0.01, gravity=model)
+
+
+def test_alignment_holds_the_force_against_the_model() -> None:
+    increments = exact_increments(REST, 3000, 0.01)
+    found = align(increments, 0.01, REST.lat, REST.h, constant_gravity(9.79))
+    assert found.gravity == 9.79
+    assert any("off gravity" in warning for warning in found.warnings)
+    assert align(increments, 0.01, REST.lat, REST.h).gravity == pull(NORMAL, sin(REST.lat), 400)[1]
 
 
 @pytest.mark.parametrize("value", [980.665, 1.0, float("nan"), -9.8])

@@ -1,12 +1,7 @@
 """The host's navigation in double precision: wander azimuth over WGS-84."""
 
 from sculler_model.navigation.alignment import Alignment, align
-from sculler_model.navigation.fine_alignment import (
-    NAVIGATION_GRADE,
-    FineAlignment,
-    SensorNoise,
-    align_finely,
-)
+from sculler_model.navigation.fine_alignment import FineAlignment, align_finely
 from sculler_model.navigation.geographic import GeographicNavigator
 from sculler_model.navigation.gravity import Gravity, constant_gravity, table_of_gravity
 from sculler_model.navigation.navigator import (
@@ -17,6 +12,7 @@ from sculler_model.navigation.navigator import (
     trajectory,
 )
 from sculler_model.navigation.rotation import AxisMap
+from sculler_model.navigation.sensor_noise import NAVIGATION_GRADE, SensorNoise
 from sculler_model.navigation.state import NavHistory, NavState
 
 __all__ = [
