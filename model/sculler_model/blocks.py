@@ -27,11 +27,14 @@ class VectorBlock:
         status: (R,) int64, bit set (see `sculler_model.vectors`).
         components: exact integers in the order of the design's components, (R, 18), with
             high-resolution position (R, 27); int64, or object where the numbers may pass 64 bits.
+        times: (R,) s, the instant of each interval's END on the log's own clock; None where the
+            log had no stamps.
     """
 
     major: NDArray[np.int64]
     status: NDArray[np.int64]
     components: NDArray[np.generic]
+    times: NDArray[np.float64] | None = None
 
     @classmethod
     def empty(cls, dtype: np.dtype[np.generic], components: int = len(COMPONENTS)) -> VectorBlock:
