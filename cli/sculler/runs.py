@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from sculler.logs import Chunk, read_log
 from sculler.terminal import Advance, plural
@@ -110,11 +113,13 @@ def model_log(
 
     def blocks() -> Iterator[VectorBlock]:
         nonlocal samples
-        for counts, faults in read_log(log, design, advance):
-            samples += len(counts)
-            yield feed(counts, faults)
+        for chunk in read_log(log, design, advance):
+            samples += len(chunk.counts)
+            ends.take(chunk)
+            yield ends.stamped(feed(chunk.counts, chunk.faults))
 
     start = time.perf_counter()
+    ends = IntervalEnds(design)
     counted = _write(design, blocks(), output)
     return Summary(design, samples, *counted, time.perf_counter() - start)
 
@@ -141,19 +146,54 @@ def simulate_log(
         SimulationError: the core hangs.
     """
     start = time.perf_counter()
+    # a log at fault from the beginning is told before anything is compiled
     chunks = read_log(log, design, advance)
-    first = next(chunks)  # a log at fault from the beginning is told before anything is compiled
-    chunks = chain([first], chunks)
-    run = simulate(design, chunks, engine=engine, stimulus=stimulus, wave=wave)
-    counted = _write(design, run, output)
+    first = next(chunks)
+    has_times, chunks = first.times is not None, chain([first], chunks)
+    ends = IntervalEnds(design)
+    samples = (ends.take(chunk)[:2] for chunk in chunks)
+    run = simulate(design, samples, engine=engine, stimulus=stimulus, wave=wave)
+    counted = _write(design, map(ends.stamped, run), output, has_times)
     elapsed = time.perf_counter() - start
     return Summary(design, run.progress.samples, *counted, elapsed, run.progress.clocks)
 
 
-def _write(design: Design, blocks: Iterable[VectorBlock], output: Path) -> tuple[int, int, int]:
-    """Write the vectors; results in all, with short history, with faults."""
+class IntervalEnds:
+    """The stamps at which major intervals end, from the samples that go in to the results.
+
+    Results come in order, however late: each takes the next end.
+    """
+
+    def __init__(self, design: Design) -> None:
+        self._span = design.samples_per_major
+        self._phase = 0  # samples in the interval that is not complete
+        self._ends: NDArray[np.float64] | None = None  # those whose results are still to come
+
+    def take(self, chunk: Chunk) -> Chunk:
+        """Note the ends among the next samples; the same chunk again."""
+        if chunk.times is not None:
+            new = chunk.times[self._span - 1 - self._phase :: self._span]
+            self._ends = new if self._ends is None else np.concatenate([self._ends, new])
+        self._phase = (self._phase + len(chunk.counts)) % self._span
+        return chunk
+
+    def stamped(self, block: VectorBlock) -> VectorBlock:
+        """The next results with the instants of their ends, where the log has stamps."""
+        if self._ends is None:
+            return block
+        times, self._ends = self._ends[: len(block)], self._ends[len(block) :]
+        return replace(block, times=times)
+
+
+def _write(
+    design: Design, blocks: Iterable[VectorBlock], output: Path, times: bool | None = None
+) -> tuple[int, int, int]:
+    """Write the vectors; results in all, with short history, with faults.
+
+    Whether there are times, the blocks tell where `times` does not.
+    """
     results = short = faults = 0
-    with VectorsWriter(output, design.columns) as writer:
+    with VectorsWriter(output, design.columns, times) as writer:
         for block in blocks:
             writer.write(block)
             results += len(block)
@@ -165,12 +205,11 @@ def _write(design: Design, blocks: Iterable[VectorBlock], output: Path) -> tuple
 def _reference(design: Design) -> Callable[..., VectorBlock]:
     model, dtype, components = GoldenModel(design), component_dtype(design), design.components
 
-    def samples(chunk: Chunk) -> Iterator[Sample]:
-        counts, faults = chunk
+    def samples(counts: NDArray[np.int64], faults: NDArray[np.uint8] | None) -> Iterator[Sample]:
         flags = [0] * len(counts) if faults is None else faults.tolist()
         for (gx, gy, gz, ax, ay, az), fault in zip(counts.tolist(), flags, strict=True):
             yield (gx, gy, gz), (ax, ay, az), fault
 
-    return lambda *chunk: VectorBlock.from_results(
-        list(model.run(samples(chunk))), dtype, len(components)
+    return lambda counts, faults: VectorBlock.from_results(
+        list(model.run(samples(counts, faults))), dtype, len(components)
     )

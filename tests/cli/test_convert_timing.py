@@ -47,8 +47,8 @@ def convert(run: Run, tmp_path: Path, design: Path) -> Callable[..., tuple[Any, 
         outcome = run("convert", log, "-o", out, "--design", design, "--json", *options)
         assert outcome.status == 0, outcome.err
         chunks = list(read_log(out, Design.load(design)))
-        flags = [faults for _, faults in chunks if faults is not None]
-        counts = np.concatenate([counts for counts, _ in chunks])
+        flags = [chunk.faults for chunk in chunks if chunk.faults is not None]
+        counts = np.concatenate([chunk.counts for chunk in chunks])
         return json.loads(outcome.out), counts, np.concatenate(flags) if flags else None
 
     return convert

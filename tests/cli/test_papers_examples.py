@@ -122,7 +122,7 @@ def runge_kutta_drift(run: Flown) -> float:
 
     Steps of two samples; the rates at their beginning, middle and end.
     """
-    counts = np.concatenate([counts for counts, _ in read_log(run.log, run.design)])
+    counts = np.concatenate([counts for counts, *_ in read_log(run.log, run.design)])
     rates = (counts[:, :3] * run.design.sensor.gyro.lsb).tolist()
     truth = NavHistory.concatenate(list(read_truth(run.truth)))
     h, first = 2 / RATE, round(run.start * RATE)  # sample i is taken at i ms

@@ -201,9 +201,11 @@ def command(
         reworked = gaps == "bridge" or resampler is not None
         conversion = Conversion(log, design, gyro, accel, mounting, biases, reworked)
         faults = recording.has_faults or gaps == "bridge"
-        with LogWriter(temporary, faults=faults) as writer:
+        clock = recording.clock
+        with LogWriter(temporary, faults=faults, times=clock is not None) as writer:
             for chunk in chunks:
-                writer.write(conversion(chunk.values), chunk.faults)
+                times = None if clock is None or chunk.times is None else chunk.times + clock.origin
+                writer.write(conversion(chunk.values), chunk.faults, times)
         if not conversion.samples:
             raise InputError(
                 f"{log}: too few samples to make an increment of (or none from --start to --stop),"
