@@ -18,6 +18,7 @@ from sculler_model.blocks import VectorBlock, component_dtype
 from sculler_model.design import Design
 from sculler_model.fast import FastModel
 from sculler_model.golden import GoldenModel, Sample
+from sculler_model.instants import end_after_stamp
 from sculler_model.vectors import STATUS_FAULT, STATUS_SHORT_HISTORY
 from sculler_sim.engine import simulate
 from sculler_sim.stimulus import Stimulus
@@ -159,20 +160,20 @@ def simulate_log(
 
 
 class IntervalEnds:
-    """The stamps at which major intervals end, from the samples that go in to the results.
+    """The instants at which major intervals end, from the samples that go in to the results.
 
     Results come in order, however late: each takes the next end.
     """
 
     def __init__(self, design: Design) -> None:
-        self._span = design.samples_per_major
+        self._span, self._after = design.samples_per_major, end_after_stamp(design)
         self._phase = 0  # samples in the interval that is not complete
         self._ends: NDArray[np.float64] | None = None  # those whose results are still to come
 
     def take(self, chunk: Chunk) -> Chunk:
         """Note the ends among the next samples; the same chunk again."""
         if chunk.times is not None:
-            new = chunk.times[self._span - 1 - self._phase :: self._span]
+            new = chunk.times[self._span - 1 - self._phase :: self._span] + self._after
             self._ends = new if self._ends is None else np.concatenate([self._ends, new])
         self._phase = (self._phase + len(chunk.counts)) % self._span
         return chunk
