@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation import Gravity, NavState
+from sculler_model.navigation import AxisMap, Gravity, NavState
 from sculler_model.navigation.gravity import NORMAL, pull
 from sculler_model.navigation.rotation import from_rotation_vector, product, rotate
 
@@ -34,6 +34,9 @@ SIZE = 0.04
 LEAN = 5.0
 """Degrees that a still unit's attitude may be off: it would run off with 0.9 m/s²."""
 
+PLAIN = AxisMap.parse("x,y,z")
+"""Sensor axes that are the body's."""
+
 _PARTS = 8
 _CAUSES = (
     (0.5, "the sample rate of the design is half the log's, or the accelerometer's LSB is half"),
@@ -52,11 +55,11 @@ class FirstSeconds:
         state: the initial one.
         interval: length of a major interval, s.
         gravity: the model to navigate by.
-        axes: the map of the sensor's axes, as it was given.
+        axes: how the sensor's axes became the body's.
     """
 
     def __init__(
-        self, state: NavState, interval: float, gravity: Gravity = NORMAL, axes: str = "x,y,z"
+        self, state: NavState, interval: float, gravity: Gravity = NORMAL, axes: AxisMap = PLAIN
     ) -> None:
         self._state, self._interval, self._axes = state, interval, axes
         self._gravity = pull(gravity, _sine(state.lat), state.h)[1]
@@ -112,7 +115,7 @@ class FirstSeconds:
         told = f"specific force in the first seconds points {from_up:.0f}° from up"
         if from_up > 180 - LEAN:
             advice = "check --axes, --roll and --pitch"
-            if self._axes.replace(" ", "") == "x,y,z":
+            if self._axes == PLAIN:
                 advice = "try --axes x,-y,-z (forward, left, up) or y,x,-z (right, forward, up)"
             return f"{told} by the initial attitude: the unit's z points up; {advice}"
         body = self._parts[0].dv_sf.sum(axis=0)

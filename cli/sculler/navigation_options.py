@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import degrees, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -144,6 +144,17 @@ def read_gravity_table(path: Path) -> Gravity:
         raise InputError(f"{path}: {error}") from None
 
 
+def refuse_noise_without(align_seconds: float | None, known: Mapping[str, float | None]) -> None:
+    """Noise is for the alignment only.
+
+    Raises:
+        UsageError: it is given without one.
+    """
+    for name, value in known.items():
+        if value is not None and align_seconds is None:
+            raise click.UsageError(f"--{name.replace('_', '-')} is for --align, give that too")
+
+
 def sensor_noise(
     gyro_noise: float | None,
     accel_noise: float | None,
@@ -176,3 +187,21 @@ def sigma_facts(found: Alignment | FineAlignment, noise: SensorNoise) -> dict[st
             "accel_bias_sigma": noise.accel_bias,
         },
     }
+
+
+def sigmas_told(found: Mapping[str, Any]) -> str:
+    """The stated sigmas in words, and the noise behind them."""
+    angles = ", ".join(f"{name} {value:.2g}°" for name, value in found["sigma_deg"].items())
+    noise = found["noise"]
+    return (
+        f"1 σ: {angles}, by {noise['gyro_deg_per_sqrt_h']:.2g} °/√h and"
+        f" {noise['accel_m_per_s_per_sqrt_h']:.2g} m/s/√h"
+    )
+
+
+def biases_told(found: Mapping[str, Any]) -> str:
+    """What of the gyros' biases was looked for, in words."""
+    sigma = found["noise"]["gyro_bias_sigma_deg_per_h"]
+    if sigma is None:
+        return "of which about north alone was looked for (--gyro-bias-sigma: all three)"
+    return f"of {sigma:.2g} °/h (1 σ) to expect"

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sculler.first_seconds import FirstSeconds
+from sculler.first_seconds import PLAIN, FirstSeconds
 from sculler_model.host import MajorIncrements
 from sculler_model.motion import at_rest, turn_motion
-from sculler_model.navigation import NavState, constant_gravity
+from sculler_model.navigation import AxisMap, NavState, constant_gravity
 from sculler_model.navigation.earth import gravity
 from sculler_model.navigation.exact import exact_increments
 from sculler_model.navigation.rotation import from_euler
@@ -28,7 +28,7 @@ def start(
     return NavState(0.0, from_euler(radians(roll), radians(pitch), 1.0), v, 0.8, 0.1, 400.0)
 
 
-def said(state: NavState, force: Array, seconds: float = 3.0, axes: str = "x,y,z") -> str | None:
+def said(state: NavState, force: Array, seconds: float = 3.0, axes: AxisMap = PLAIN) -> str | None:
     """Of so many seconds of a steady force (m/s²) in the body."""
     count = round(seconds / T)
     block = MajorIncrements(*np.zeros((2, count, 3)), np.tile(force * T, (count, 1)))
@@ -70,7 +70,7 @@ def test_upside_down_is_told_with_the_maps_to_try() -> None:
     assert warning is not None
     assert "180° from up" in warning
     assert "try --axes x,-y,-z (forward, left, up) or y,x,-z (right, forward, up)" in warning
-    turned = said(start(), -up(), axes="y,x,z")
+    turned = said(start(), -up(), axes=AxisMap.parse("y,x,-z"))
     assert turned is not None
     assert "check --axes, --roll and --pitch" in turned
 

@@ -200,7 +200,7 @@ def test_a_track_that_leaves_the_table_is_told(kind: str) -> None:
 
 def test_alignment_holds_the_force_against_the_model() -> None:
     increments = exact_increments(REST, 3000, 0.01)
-    found = align(increments, 0.01, REST.lat, REST.h, constant_gravity(9.79))
+    found = align(increments, 0.01, REST.lat, REST.h, gravity=constant_gravity(9.79))
     assert found.gravity == 9.79
     assert any("off gravity" in warning for warning in found.warnings)
     assert align(increments, 0.01, REST.lat, REST.h).gravity == pull(NORMAL, sin(REST.lat), 400)[1]

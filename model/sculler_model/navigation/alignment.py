@@ -104,8 +104,8 @@ def align(
     interval: float,
     lat: float,
     h: float,
-    gravity: Gravity = NORMAL,
     noise: SensorNoise = ESTIMATED,
+    gravity: Gravity = NORMAL,
 ) -> Alignment:
     """Attitude at the end of a window at rest.
 
@@ -126,8 +126,8 @@ def align(
         interval: length of a major interval, s.
         lat: geodetic latitude, rad.
         h: height, m.
-        gravity: the model of gravity.
         noise: what is known of the sensors; the window shows what is left out.
+        gravity: the model of gravity.
 
     Raises:
         InputError: an interval is of short history, the window is too short, the unit is not at

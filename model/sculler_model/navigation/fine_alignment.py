@@ -146,7 +146,7 @@ def align_finely(
     Raises:
         InputError: as `align`.
     """
-    coarse = align(increments, interval, lat, h, gravity, noise)
+    coarse = align(increments, interval, lat, h, noise, gravity)
     noise = coarse.noise
     lean, g = pull(gravity, sin(lat), h)
     q, end = attitudes_at_rest(increments, interval, lat, coarse)
