@@ -82,11 +82,12 @@ def gravity_model(text: str) -> Gravity:
         return constant_gravity()
     if text.startswith("constant:"):
         try:
-            return constant_gravity(float(text.removeprefix("constant:")))
+            value = float(text.removeprefix("constant:"))
         except ValueError:
             raise InputError(
                 f"--gravity {text}: not a number, give m/s² as in constant:9.81"
             ) from None
+        return constant_gravity(value)
     return read_gravity_table(Path(text))
 
 

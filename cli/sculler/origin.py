@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
@@ -76,7 +76,7 @@ def write_origin(output: Path, inputs: Mapping[str, str | Path], result: Mapping
     Raises:
         InputError: the record cannot be written.
     """
-    digest = file_hash(output)
+    digest = None if output.is_relative_to("/dev") else file_hash(output)
     if digest is None:
         return
     context = click.get_current_context()
@@ -118,7 +118,8 @@ def _steps(entry: Mapping[str, Any]) -> Iterator[Step]:
     """Of an input as records hold them; what does not look like one is passed over."""
     record = entry.get("origin")
     name = f"{entry.get('kind', 'file')} {entry.get('name', '')}"
-    known = entry.get("sha256") or "not known: it is no file that stays"
+    preset = "a preset" if entry.get("kind") == "design" else "not known: no file that stays"
+    known = entry.get("sha256") or preset
     if not isinstance(record, dict):
         yield Step(name, str(known), None, str(entry.get("note", "no record")))
         return
@@ -162,6 +163,6 @@ def _plain(value: Any) -> Any:
     return value if isinstance(value, int | float | str | list | tuple) else str(value)
 
 
-def told(steps: list[Step]) -> list[str]:
+def told(steps: Sequence[Step]) -> list[str]:
     """Warnings about records that tell of other files."""
     return [f"{step.name}: {step.note}" for step in steps if "another file" in step.note]

@@ -33,10 +33,12 @@ def command(design_name: str, log: str, output: Path, engine: ModelEngine, as_js
 
     Writes the vectors: one row of exact integers for each complete major interval.
     """
+    from sculler.origin import write_origin
     from sculler.runs import model_log
 
     design = terminal.load_design(design_name)
     with terminal.progress("modelling", terminal.file_size(log)) as advance:
         summary = model_log(design, log, output, engine, advance)
     data = {"engine": engine, "log": log, "output": str(output), **summary.as_json()}
+    write_origin(output, {"log": log, "design": design_name}, data)
     terminal.report(data, as_json, terminal.facts(summary.facts() | {"wrote": str(output)}))

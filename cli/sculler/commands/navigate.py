@@ -305,7 +305,10 @@ def command(
         data["plots"] = [str(path) for path in pictures]
     if page is not None:
         data["report"] = str(page)
-        _write_report(page, design, data, _settings(click.get_current_context()))
+        files = {"vectors": vectors, "design": design_name}
+        files |= {} if truth is None else {"truth": str(truth)}
+        files |= {} if model.table is None else {"gravity table": gravity}
+        _write_report(page, design, data, files)
     errors = () if reference is None else ("", table(data["errors"]))
     terminal.report(data, as_json, terminal.facts(_facts(data)), *errors)
 
@@ -329,27 +332,16 @@ def _rows(vectors: str) -> int | None:
         return None
 
 
-def _write_report(
-    page: Path, design: Design, data: dict[str, Any], settings: dict[str, Any]
-) -> None:
+def _write_report(page: Path, design: Design, data: dict[str, Any], files: dict[str, str]) -> None:
     """The run as one page."""
+    from sculler.origin import chain, settings
     from sculler.report import write_report
 
     pictures = [Path(path) for path in data.get("plots", [])]
     errors, warnings = data.get("errors"), data["warnings"]
-    write_report(page, design, _facts(data), errors, pictures, settings, warnings)
-
-
-def _settings(context: click.Context) -> dict[str, Any]:
-    """What the command line said, in its own names, and the defaults that came to be used."""
-    settings = {}
-    for parameter in context.command.params:
-        assert parameter.name is not None
-        value = context.params[parameter.name]
-        if value not in (None, False):
-            option = isinstance(parameter, click.Option)
-            settings[parameter.opts[-1] if option else parameter.human_readable_name] = value
-    return settings
+    said = settings(click.get_current_context())
+    steps = [step for kind, path in files.items() for step in chain(kind, path)]
+    write_report(page, design, _facts(data), errors, pictures, said, warnings, steps)
 
 
 def _given(
