@@ -6,7 +6,7 @@ import json
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -81,6 +81,25 @@ def output_option(command: Command) -> Command:
     return click.option(
         "-o", "--output", type=_Output(), required=True, metavar="FILE", help="Where to write."
     )(command)
+
+
+def breaks_option(command: Command) -> Command:
+    """`--breaks`: what to do where samples are missing."""
+    return click.option(
+        "--breaks",
+        type=click.Choice(["refuse", "split"]),
+        default="refuse",
+        show_default=True,
+        help="Where the log's time_s or sequence shows missing samples: refuse; or begin anew,"
+        " major from 0 and no history.",
+    )(command)
+
+
+def warning_rows(warnings: Sequence[str]) -> dict[str, str]:
+    """Warnings as rows of `facts`."""
+    from rich.markup import escape
+
+    return {f"warning {at}": escape(told) for at, told in enumerate(warnings, start=1)}
 
 
 def load_design(name: str) -> Design:

@@ -10,6 +10,7 @@ import click
 from sculler import terminal
 
 if TYPE_CHECKING:
+    from sculler.breaks import Policy
     from sculler.runs import SimulationEngine
 
 
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Write a waveform: .vcd, or with Verilator also .fst.",
 )
+@terminal.breaks_option
 @terminal.json_option
 def command(
     design_name: str,
@@ -49,6 +51,7 @@ def command(
     engine: SimulationEngine,
     stall: int | None,
     wave: Path | None,
+    breaks: Policy,
     as_json: bool,
 ) -> None:
     """Run the IMU log LOG (CSV of counts, - for stdin) through the register-transfer level.
@@ -65,10 +68,10 @@ def command(
     longest = max(256, 4 * design.samples_per_major)
     stimulus = Stimulus.always() if stall is None else Stimulus.stalls(stall, longest)
     with terminal.progress("simulating", terminal.file_size(log)) as advance:
-        summary = simulate_log(design, log, output, engine, stimulus, wave, advance)
+        summary = simulate_log(design, log, output, engine, stimulus, wave, advance, breaks)
     waveform = None if wave is None else str(wave)
     data = {"engine": engine, "log": log, "output": str(output), "stall": stall, "wave": waveform}
-    rows = summary.facts() | {"wrote": str(output)}
+    rows = summary.facts() | terminal.warning_rows(summary.warnings) | {"wrote": str(output)}
     if waveform is not None:
         rows["waveform"] = waveform
     data |= summary.as_json()
