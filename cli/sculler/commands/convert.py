@@ -185,8 +185,10 @@ def command(
         chunks: Iterator[Samples] = recording.chunks
         timing = None
         if recording.clock is not None:
-            timing = Timing(log, design, recording, given, gaps, max_gap or _MAX_GAP, start, stop)
-            chunks = (chunk for chunk in map(timing, chunks) if len(chunk.values))
+            timing = Timing(
+                log, design, recording, given, gaps, max_gap or _MAX_GAP, steps, start, stop
+            )
+            chunks = timing(chunks)
         elif gaps == "bridge" or steps == "resample" or start is not None or stop is not None:
             raise click.UsageError(
                 "--gaps bridge, --steps resample, --start and --stop need time stamps, give"
