@@ -160,9 +160,11 @@ class Conversion:
                 ),
                 "",
             )
+            steady = None if slip else self._first_seconds.size_hint()
             hints.append(
-                f"the mean specific force is {force:.4g} m/s², far from gravity's 9.8{slip}: check"
-                " the accelerometer's unit and scale"
+                steady
+                or f"the mean specific force is {force:.4g} m/s², far from gravity's 9.8{slip}:"
+                " check the accelerometer's unit and scale"
             )
         if not 0.2 * _EARTH_RATE < rate < _FAST:
             than = "more than vehicles turn" if rate > _FAST else "less than the Earth turns"

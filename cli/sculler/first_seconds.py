@@ -42,27 +42,37 @@ class FirstSeconds:
             self._samples.append(si[: self._wanted - self._count] / self._over)
             self._count += len(self._samples[-1])
 
+    def _means(self) -> tuple[float, NDArray[np.float64]]:
+        """Size of the mean rate, and mean force; zeros if the log does not begin steadily."""
+        if self._count < 4:
+            return 0.0, np.zeros(3)
+        samples = np.concatenate(self._samples)
+        if samples[:, 3:].std(axis=0).max() > _STEADY * _GRAVITY:
+            return 0.0, np.zeros(3)
+        return float(np.linalg.norm(samples[:, :3].mean(axis=0))), samples[:, 3:].mean(axis=0)
+
+    def size_hint(self) -> str | None:
+        """What looks wrong of the force's size."""
+        rate, force = self._means()
+        size = float(np.linalg.norm(force))
+        allowed = _OFF if rate < _TURNING else _OFF_TURNING
+        if not size or abs(size / _GRAVITY - 1) <= allowed:
+            return None
+        cause = next(
+            (told for ratio, told in _CAUSES if abs(size / _GRAVITY / ratio - 1) < 0.03),
+            "check the accelerometer's unit and scale, and the sample rate",
+        )
+        return (
+            f"the specific force at the beginning is {size:.4g} m/s², gravity is 9.8 m/s²: {cause}"
+        )
+
     def hints(self) -> list[str]:
         """What looks wrong; nothing if the log does not begin steadily."""
-        if self._count < 4:
-            return []
-        samples = np.concatenate(self._samples)
-        rate, force = samples[:, :3].mean(axis=0), samples[:, 3:].mean(axis=0)
+        size_hint = self.size_hint()
+        hints = [] if size_hint is None else [size_hint]
+        _, force = self._means()
         size = float(np.linalg.norm(force))
-        if samples[:, 3:].std(axis=0).max() > _STEADY * _GRAVITY or not size:
-            return []
-        hints = []
-        allowed = _OFF if np.linalg.norm(rate) < _TURNING else _OFF_TURNING
-        if abs(size / _GRAVITY - 1) > allowed:
-            cause = next(
-                (told for ratio, told in _CAUSES if abs(size / _GRAVITY / ratio - 1) < 0.03),
-                "check the accelerometer's unit and scale, and the sample rate",
-            )
-            hints.append(
-                f"the specific force at the beginning is {size:.4g} m/s², gravity is 9.8 m/s²:"
-                f" {cause}"
-            )
-        if force[2] > _UP * size:
+        if size and force[2] > _UP * size:
             hints.append(
                 f"the specific force at the beginning is {force[2]:+.4g} m/s² along z, which is to"
                 f" point down (at rest: -9.8): do the file's axes point forward, left, up (--axes"

@@ -22,7 +22,9 @@ Gaps = Literal["refuse", "bridge", "ignore"]
 Steps = Literal["even", "resample"]
 
 _TOLERANCE = 0.01  # of the interval: beyond this steps are unequal
-_STRAY = 0.5  # intervals: a stamp further from its place is passed over
+_STRAY = 0.75  # intervals: a stamp further from its place is passed over
+_EVEN = 0.05  # intervals: stamps this near to even steps are in their places
+_FOLLOW = 0.1  # of a stamp's distance from its place, by which the next places follow
 _LISTED = 100  # gaps kept one by one; the rest are counted only
 
 
@@ -57,7 +59,7 @@ class TimingReport:
         gaps: the first of them.
         repeated: stamps that do not grow.
         twice: those of them whose values repeat the sample before, too.
-        passed_over: stamps more than half an interval from their place, taken as even.
+        passed_over: stamps too far from their places, which were taken instead.
         first_passed_over: sample number of the first of them.
         too_many: samples more than the stamps have time for.
         rollovers: where the clock was full and began anew.
@@ -91,8 +93,8 @@ class Timing:
     """Checks the stamps of consecutive samples, and bridges gaps.
 
     A gap is a lasting shift of the stamps (`sculler.stamps`); what evens out is jitter.  With even
-    steps a stamp that is more than half an interval from its place, one interval after the sample
-    before, is passed over, and that place taken.
+    steps a stamp that is more than three quarters of an interval from its place is passed over, and
+    the place taken.
 
     A bridge has a sample for every one that is missing, its values on the straight line from the
     last sample before the gap to the first after it, and `fault` set.  For rates this is the linear
@@ -134,6 +136,8 @@ class Timing:
         self._waiting: list[Samples] = []  # taken, and not yet told whether a gap lies there
         self._last: Samples | None = None  # the last sample given, its stamp as it was given
         self._last_stamp = 0.0  # the same, as the file has it
+        self._place: float | None = None  # of the next sample, with even steps
+        self._uneven = False  # whether a stamp was not in its place so far
         self._begin = 0.0  # first stamp taken, on the scale of the samples' times
         self.report = TimingReport(rollovers=self._unwrapped.found)
 
@@ -280,35 +284,41 @@ class Timing:
     def _placed(
         self, times: NDArray[np.float64], gaps: NDArray[np.int64], first: int
     ) -> NDArray[np.float64]:
-        """The stamps, each that strays replaced by its place: an interval after the one before.
+        """The stamps, each that strays replaced by its place.
+
+        Places are one interval apart, and follow the stamps that do not stray slowly.
 
         Args:
             times: (N,) stamps.
             gaps: numbers among them of the first samples after gaps.
             first: number of the first of them.
         """
-        last = None if self._last is None or self._last.times is None else self._last.times[-1]
-        before = np.concatenate([times[:1] - self._T if last is None else [last], times[:-1]])
-        strays = np.abs(times - before - self._T) > _STRAY * self._T * (1 + 1e-6)
-        strays[gaps] = False
-        if not strays.any():
-            return times
-        after_gap = np.zeros(len(times), np.bool_)
-        after_gap[gaps] = True
-        placed = times.tolist()
-        begin = int(np.argmax(strays))
-        now = float(before[begin])
-        passed = 0
-        for at in range(begin, len(placed)):
-            place = now + self._T
-            stray = abs(placed[at] - place) > _STRAY * self._T * (1 + 1e-6)
-            if stray and not (after_gap[at] and placed[at] > place):
+        T = self._T
+        if self._place is None:
+            self._place = float(times[0])
+        if not self._uneven:
+            steps = np.diff(times, prepend=self._place - T if not first else self._last_stamp)
+            steps[gaps] = T
+            if (np.abs(steps - T) <= _EVEN * T).all():
+                self._place = float(times[-1]) + T
+                return times
+            self._uneven = True
+        after_gap = set(gaps.tolist())
+        placed: list[float] = times.tolist()
+        place, allowed = self._place, _STRAY * T
+        for at, stamp in enumerate(placed):
+            off = stamp - place
+            if at in after_gap and off > 0:
+                place = stamp
+            elif -allowed <= off <= allowed:
+                place += _FOLLOW * off
+            else:
                 if self.report.first_passed_over is None:
                     self.report.first_passed_over = first + at
-                passed += 1
+                self.report.passed_over += 1
                 placed[at] = place
-            now = placed[at]
-        self.report.passed_over += passed
+            place += T
+        self._place = place
         return np.array(placed)
 
     def _require_forward(self, shift: Shift) -> None:

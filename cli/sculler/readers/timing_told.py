@@ -55,7 +55,7 @@ def warnings(timing: Timing, design: Design, gaps: Gaps, steps: Steps) -> list[s
     if found.passed_over:
         told.append(
             f"{terminal.plural(found.passed_over, 'stamp')} passed over, the first at sample"
-            f" {found.first_passed_over}: they repeat, or stray by more than half an interval"
+            f" {found.first_passed_over}: they repeat, or stray by more than 0.75 intervals"
             f" ({found.repeated:,} do not grow); these samples are taken as one interval after the"
             " one before"
         )
