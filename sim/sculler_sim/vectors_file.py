@@ -110,7 +110,7 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
 
 
 def read_vectors(
-    path: str | Path, design: Design | None = None, chunk: int = 1 << 14
+    path: str | Path, design: Design | None = None, chunk: int = 1 << 14, missing: bool = False
 ) -> Iterator[VectorBlock]:
     """Read a vectors CSV in blocks of at most `chunk` rows.
 
@@ -120,6 +120,7 @@ def read_vectors(
             width, and the components are int64 where the design's fit it; without it they are
             Python integers (dtype object).
         chunk: rows in a block, which bound the memory.
+        missing: let rows be missing, that is, `major` jump forwards.
 
     Raises:
         InputError: the file cannot be read, is cut short, its header or a cell is wrong, `major`
@@ -139,7 +140,7 @@ def read_vectors(
         cells = [lines.row(number, line) for number, line in numbered]
         rows = [integers for integers, _ in cells]
         for (number, _), row in zip(numbered, rows, strict=True):
-            if row[0] not in (0, major + 1):
+            if row[0] not in (0, major + 1) and not (missing and row[0] > major):
                 raise InputError(
                     f"{path}: line {number}: major is {row[0]} where {major + 1} should follow,"
                     " rows are missing or out of order"

@@ -203,10 +203,12 @@ def command(
         reworked = gaps == "bridge" or resampler is not None
         conversion = Conversion(log, design, gyro, accel, mounting, biases, reworked)
         faults = recording.has_faults or gaps == "bridge"
-        clock = recording.clock
+        clock, to_instant = recording.clock, _to_instant(design, given, rates, resampler)
         with LogWriter(temporary, faults=faults, times=clock is not None) as writer:
             for chunk in chunks:
-                times = None if clock is None or chunk.times is None else chunk.times + clock.origin
+                times = None
+                if clock is not None and chunk.times is not None:
+                    times = chunk.times + (clock.origin + to_instant)
                 writer.write(conversion(chunk.values), chunk.faults, times)
         if not conversion.samples:
             raise InputError(
@@ -438,6 +440,15 @@ def _resampler(design: Design, given: Kind, rates: str, steps: str) -> Resampler
     if steps == "resample" or (given == "rate" and wanted == "increment"):
         return Resampler(design.sample_interval, given, wanted)
     return None
+
+
+def _to_instant(design: Design, given: Kind, rates: str, resampler: Resampler | None) -> float:
+    """From the stamps to the instants of the design's samples, s.
+
+    A mean over the interval that ends at a stamp is the rate in the interval's middle.
+    """
+    mean = rates == "mean" if given == "rate" else resampler is None
+    return -0.5 * design.sample_interval if mean and design.sensor.kind == "rate" else 0.0
 
 
 def _unit(design: Design, unit: Unit, given: Kind, resampler: Resampler | None) -> Unit:

@@ -95,9 +95,11 @@ def align(increments: MajorIncrements, interval: float, lat: float, h: float) ->
         h: height, m.
 
     Raises:
-        InputError: the window is too short, the unit is not at rest (specific force more than 2 %
-            off gravity, or rate over 100 times Earth's), or it is too near a pole to find north.
+        InputError: an interval is of short history, the window is too short, the unit is not at
+            rest (specific force more than 2 % off gravity, or rate over 100 times Earth's), or it
+            is too near a pole to find north.
     """
+    increments.require_whole("alignment")
     count = len(increments)
     seconds = count * interval
     if seconds < MIN_SECONDS or count < _SEGMENTS:

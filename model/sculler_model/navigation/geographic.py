@@ -19,7 +19,15 @@ from sculler_model.navigation.rotation import (
     product,
     rotate,
 )
-from sculler_model.navigation.state import NavHistory, NavState, check_state, wrapped
+from sculler_model.navigation.state import (
+    NavHistory,
+    NavState,
+    VectorLike,
+    check_state,
+    three_numbers,
+    told_times,
+    wrapped,
+)
 
 
 class GeographicNavigator:
@@ -45,7 +53,8 @@ class GeographicNavigator:
             )
         if not (isfinite(interval) and interval > 0):
             raise InputError(f"interval: {interval} s is not allowed, give a number > 0")
-        self._start, self._updates, self._interval = state.time, 0, interval
+        # the time counts from `_start` on, by intervals
+        self._start, self._since, self._interval = state.time, 0, interval
         self._state = self._past = state._replace(wander=0.0)
 
     @property
@@ -53,8 +62,8 @@ class GeographicNavigator:
         """The state at the end of the last update."""
         return self._state
 
-    def update(self, phi: Vector, dv_sf: Vector) -> NavState:
-        """Carry the state over one major interval.
+    def update(self, phi: VectorLike, dv_sf: VectorLike) -> NavState:
+        """Carry the state over one major interval; each vector a tuple, list or (3,) array.
 
         Args:
             phi: rotation vector of the body over the interval, against inertial space, rad.
@@ -64,10 +73,21 @@ class GeographicNavigator:
             The state at the interval's end.
 
         Raises:
-            InputError: the track has reached a pole, where north and longitude end.
+            InputError: an argument is not three finite numbers, or the track has reached a pole,
+                where north and longitude end.
         """
+        time = self._start + (self._since + 1) * self._interval
+        state = self._update(three_numbers("phi", phi), three_numbers("dv_sf", dv_sf), time)
+        self._since += 1
+        return state
+
+    def _update(self, phi: Vector, dv_sf: Vector, time: float) -> NavState:
         T = self._interval
         past, old = self._past, self._state
+        if not isfinite(sum(phi) + sum(dv_sf)):
+            raise InputError(
+                f"after {old.time:.3f} s: an increment is not finite, mend the vectors"
+            )
 
         # velocity: values at the middle, extrapolated from the past
         v_mid = plus(old.v, plus(old.v, past.v, -1.0), 0.5)
@@ -110,8 +130,6 @@ class GeographicNavigator:
         q = product(old.q, from_rotation_vector(phi))
         q = normalised(product(from_rotation_vector(minus_zeta), q))
 
-        self._updates += 1
-        time = self._start + self._updates * T
         self._past, self._state = old, NavState(time, q, v, lat, wrapped(lon), h)
         return self._state
 
@@ -121,7 +139,16 @@ class GeographicNavigator:
         The position is by the trapezoid, whether or not ΔR_SF is there.
 
         Raises:
-            InputError: the track has reached a pole.
+            InputError: an interval is of short history, an increment is not finite, or the track
+                has reached a pole.
         """
-        pairs = zip(increments.phi.tolist(), increments.dv_sf.tolist(), strict=True)
-        return NavHistory.from_states([self.update(tuple(p), tuple(v)) for p, v in pairs])
+        increments.require_whole("navigation")
+        times = told_times(increments)
+        if times is None:
+            pairs = zip(increments.phi.tolist(), increments.dv_sf.tolist(), strict=True)
+            return NavHistory.from_states([self.update(p, v) for p, v in pairs])
+        rows = zip(increments.phi.tolist(), increments.dv_sf.tolist(), times.tolist(), strict=True)
+        states = [self._update(tuple(p), tuple(v), time) for p, v, time in rows]
+        if states:
+            self._start, self._since = states[-1].time, 0
+        return NavHistory.from_states(states)
