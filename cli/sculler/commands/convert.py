@@ -166,6 +166,7 @@ def command(
     """
     from sculler.conversion import Conversion
     from sculler.logs import LogWriter
+    from sculler.origin import write_origin
     from sculler.readers.timing import Timing, resampled
     from sculler_model.errors import InputError
     from sculler_sim.files import replacing
@@ -226,6 +227,7 @@ def command(
     }
     if resampler is not None and timing is not None:
         data["timing"]["left_out_s"] = resampler.left_out
+    write_origin(output, {"source": log, "design": design_name}, data)
     terminal.report(
         data, as_json, terminal.facts(_facts(data)), *_mounting_table(data), *_gaps_table(data),
         _ranges(data)

@@ -59,6 +59,7 @@ def command(
     Writes the vectors that the core hands over, for `sculler compare` with those of `sculler
     model`.
     """
+    from sculler.origin import write_origin
     from sculler.runs import simulate_log
     from sculler_sim.stimulus import Stimulus
 
@@ -73,4 +74,6 @@ def command(
     rows = summary.facts() | terminal.warning_rows(summary.warnings) | {"wrote": str(output)}
     if waveform is not None:
         rows["waveform"] = waveform
-    terminal.report(data | summary.as_json(), as_json, terminal.facts(rows))
+    data |= summary.as_json()
+    write_origin(output, {"log": log, "design": design_name}, data)
+    terminal.report(data, as_json, terminal.facts(rows))
