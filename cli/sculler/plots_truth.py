@@ -32,6 +32,12 @@ SCHULER_PERIOD = 84.4 * 60
 """s; of a pendulum as long as the Earth's radius."""
 
 
+def truth_picture_paths(output: Path) -> list[Path]:
+    """Where `truth_pictures` draws."""
+    names = ("errors", "growth", "track")
+    return [output.with_name(f"{output.stem}_{name}.png") for name in names]
+
+
 def truth_pictures(
     estimate: NavHistory, truth: NavHistory, errors: NavErrors, growth: float, output: Path
 ) -> list[Path]:
@@ -43,8 +49,7 @@ def truth_pictures(
         growth: of the horizontal error, m/s.
         output: names the pictures.
     """
-    names = ("errors", "growth", "track")
-    paths = [output.with_name(f"{output.stem}_{name}.png") for name in names]
+    paths = truth_picture_paths(output)
     _errors(paths[0], errors)
     _growth(paths[1], errors, growth)
     _tracks(paths[2], estimate, truth, errors)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, ExitStack
 from itertools import islice
 from pathlib import Path
 from types import TracebackType
@@ -15,12 +15,15 @@ from sculler_model.blocks import VectorBlock, component_dtype
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.vectors import AXES, COLUMNS, HIGH_RESOLUTION_COLUMNS
-from sculler_sim.files import replacing
+from sculler_sim.files import open_lines, replacing
 
 
 def _header(columns: Sequence[str]) -> str:
     return ",".join(columns) + "\n"
 
+
+MAX_DIGITS = 4000
+"""Of a component, many times what any design gives; Python converts no more than 4300."""
 
 _CELL = re.compile(r"-?[0-9]+")
 _COLUMNS = {_header(columns): columns for columns in (COLUMNS, HIGH_RESOLUTION_COLUMNS)}
@@ -44,11 +47,14 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
         self.columns = tuple(columns)
         self._format = ",".join(["%d"] * len(columns)) + "\n"
         self.rows = 0
-        self._replacing = replacing(self.path)
 
     def __enter__(self) -> VectorsWriter:
-        self._file = self._replacing.__enter__().open("w", encoding="ascii", newline="\n")
-        self._file.write(_header(self.columns))
+        with ExitStack() as stack:
+            temporary = stack.enter_context(replacing(self.path))
+            file = temporary.open("w", encoding="ascii", newline="\n")
+            self._file = stack.enter_context(file)
+            self._file.write(_header(self.columns))
+            self._stack = stack.pop_all()
         return self
 
     def write(self, block: VectorBlock) -> None:
@@ -68,8 +74,7 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        self._file.close()
-        self._replacing.__exit__(kind, error, traceback)
+        self._stack.__exit__(kind, error, traceback)
 
 
 def read_vectors(
@@ -156,9 +161,16 @@ class VectorLines(Iterator[tuple[int, str]]):
 
     def check(self, number: int, line: str) -> None:
         """Raise InputError if the line is not as many integers as there are columns."""
-        if self._row.fullmatch(line):
-            return
         cells = line.split(",")
+        if self._row.fullmatch(line):
+            longest = max(map(len, cells))
+            if longest <= MAX_DIGITS:
+                return
+            column = self.columns[[len(cell) for cell in cells].index(longest)]
+            raise InputError(
+                f"{self.path}: line {number}: {column} has {longest} digits, more than any design"
+                " gives; is this a vectors file?"
+            )
         for column, cell in zip(self.columns, cells, strict=False):
             if not _CELL.fullmatch(cell):
                 raise InputError(
@@ -174,7 +186,7 @@ class VectorLines(Iterator[tuple[int, str]]):
 def _lines(path: Path) -> Iterator[tuple[int, str]]:
     """Number and text of each line, the header with its end."""
     try:
-        with path.open(encoding="ascii") as file:
+        with open_lines(path, encoding="ascii") as file:
             yield 1, file.readline()
             for number, line in enumerate(file, start=2):
                 if not line.endswith("\n"):

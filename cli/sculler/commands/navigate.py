@@ -34,7 +34,7 @@ _VELOCITIES = ("vn", "ve", "vd")
     ),
 )
 @terminal.design_argument
-@click.argument("vectors", metavar="VECTORS")
+@click.argument("vectors", metavar="VECTORS", type=terminal.InputFile())
 @terminal.output_option
 @click.option(
     "--lat",
@@ -120,7 +120,7 @@ _VELOCITIES = ("vn", "ve", "vd")
 )
 @click.option(
     "--truth",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.InputFile(Path),
     metavar="FILE",
     help="Hold the run against this truth (of `motion`, or an npz, MAT or Parquet file with such"
     " columns); what of the initial state is left out comes from its first row.",
@@ -128,7 +128,7 @@ _VELOCITIES = ("vn", "ve", "vd")
 @click.option(
     "--report",
     "page",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.OutputFile(),
     metavar="FILE.html",
     help="Write the run as one HTML page: figures, pictures, settings, design.",
 )
@@ -195,10 +195,8 @@ def command(
                 raise click.UsageError(
                     f"Missing option '--{name}' (or --truth, which says where the run begins)"
                 )
-    if plots:
-        from sculler.plots import require_matplotlib
-
-        require_matplotlib()
+    no_pictures = _claim_pictures(output, truth) if plots else None
+    plots = plots and no_pictures is None
     reference = None if truth is None else AgainstTruth(truth, design.major_interval, begin)
     place = _place(lat, lon, height, reference)
     faults = _Faults()
@@ -245,6 +243,8 @@ def command(
             reference.finish()
     data = _summary(design, vectors, output, start, navigator.state, alignment)
     data["fault_results"] = faults.results
+    if no_pictures is not None:
+        data["no_pictures"] = no_pictures
     fine_position = design.high_resolution and mechanisation == "wander"
     data["position_algorithm"] = "high-resolution" if fine_position else "trapezoidal"
     if finely is not None:
@@ -265,6 +265,20 @@ def command(
         _write_report(page, design, data, _settings(click.get_current_context()))
     errors = () if reference is None else ("", table(data["errors"]))
     terminal.report(data, as_json, terminal.facts(_facts(data)), *errors)
+
+
+def _claim_pictures(output: Path, truth: Path | None) -> str | None:
+    """Set the pictures' files aside; or why there will be none, in a line."""
+    from sculler.plots import left_out, navigation_picture_paths
+    from sculler.plots_truth import truth_picture_paths
+    from sculler_model import inputs
+
+    reason = left_out()
+    if reason is None:
+        beside = truth_picture_paths(output) if truth is not None else []
+        for path in [*navigation_picture_paths(output), *beside]:
+            inputs.claim(path)
+    return reason
 
 
 class _Faults:
@@ -327,6 +341,8 @@ def _warnings(data: dict[str, Any]) -> list[str]:
         warnings.append(
             f"{terminal.plural(data['fault_results'], 'result')} with faulty samples (status bit 1)"
         )
+    if "no_pictures" in data:
+        warnings.append(data["no_pictures"])
     return warnings
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -24,10 +24,11 @@ if TYPE_CHECKING:
 @terminal.output_option
 @click.option(
     "--engine",
-    type=click.Choice(["verilator", "amaranth"]),
-    default="verilator",
+    type=click.Choice(["auto", "verilator", "amaranth"]),
+    default="auto",
     show_default=True,
-    help="The emitted Verilog compiled by Verilator, or the Amaranth design in its own simulator.",
+    help="The emitted Verilog compiled by Verilator, or the Amaranth design in its own simulator;"
+    " auto is Verilator where it is installed.",
 )
 @click.option(
     "--stall",
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--wave",
-    type=click.Path(path_type=Path),
+    type=terminal.OutputFile(),
     metavar="FILE",
     help="Write a waveform: .vcd, or with Verilator also .fst.",
 )
@@ -46,7 +47,7 @@ def command(
     design_name: str,
     log: str,
     output: Path,
-    engine: SimulationEngine,
+    engine: Literal["auto"] | SimulationEngine,
     stall: int | None,
     wave: Path | None,
     as_json: bool,
@@ -60,14 +61,28 @@ def command(
     from sculler_sim.stimulus import Stimulus
 
     design = terminal.load_design(design_name)
+    warnings = []
+    if engine == "auto":
+        no_verilator = terminal.why_no_verilator()
+        engine = "verilator" if no_verilator is None else "amaranth"
+        if no_verilator is not None:
+            warnings.append(f"simulated by Amaranth, slowly: {no_verilator}")
     # stalls long enough that the host misses a major end now and then
     longest = max(256, 4 * design.samples_per_major)
     stimulus = Stimulus.always() if stall is None else Stimulus.stalls(stall, longest)
     with terminal.progress("simulating", terminal.file_size(log)) as advance:
         summary = simulate_log(design, log, output, engine, stimulus, wave, advance)
     waveform = None if wave is None else str(wave)
-    data = {"engine": engine, "log": log, "output": str(output), "stall": stall, "wave": waveform}
-    rows = summary.facts() | {"wrote": str(output)}
+    data = {
+        "engine": engine,
+        "log": log,
+        "output": str(output),
+        "stall": stall,
+        "wave": waveform,
+        "warnings": warnings,
+    }
+    rows = {f"warning {number}": line for number, line in enumerate(warnings, start=1)}
+    rows |= summary.facts() | {"wrote": str(output)}
     if waveform is not None:
         rows["waveform"] = waveform
     terminal.report(data | summary.as_json(), as_json, terminal.facts(rows))
