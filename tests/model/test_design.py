@@ -499,7 +499,7 @@ class TestFiles:
         def denied(*_: object, **__: object) -> str:
             raise PermissionError(errno.EACCES, "Permission denied")
 
-        monkeypatch.setattr(Path, "read_text", denied)
+        monkeypatch.setattr(Path, "open", denied)
         message = self.refusal(tmp_path / "secret.toml")
         assert message == "cannot read the design file (Permission denied), check the path"
 

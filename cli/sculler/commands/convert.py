@@ -41,7 +41,7 @@ _GAPS_SHOWN = 20
         "    --gyro-bias eb0 --accel-bias db0 --misalignment mu0",
     ),
 )
-@click.argument("log", type=click.Path(path_type=Path))
+@click.argument("log", type=terminal.InputFile(Path))
 @terminal.output_option
 @click.option("--design", "design_name", metavar="DESIGN", required=True, help="Gives the scales.")
 @click.option(
@@ -168,12 +168,14 @@ def command(
     from sculler.logs import LogWriter
     from sculler.origin import write_origin
     from sculler.readers.timing import Timing, resampled
+    from sculler_model import inputs
     from sculler_model.errors import InputError
     from sculler_sim.files import replacing
 
     design = terminal.load_design(design_name)
     if max_gap is not None and gaps != "bridge":
         raise click.UsageError("--max-gap goes with --gaps bridge, give both or leave it out")
+    inputs.require_file(log, "log")
     log_format = _format(log, log_format, options)
     mounting = _mounting(log, log_format, axes, misalignment)
     biases = _biases(log, log_format, gyro_bias, accel_bias)
@@ -548,8 +550,6 @@ def _warnings(
 
 
 def _facts(data: dict[str, Any]) -> dict[str, str]:
-    from rich.markup import escape
-
     rows = {
         "read": f"{data['log']} (format {data['format']})",
         "samples": f"{data['samples']:,}, {data['seconds']:,.6g} s",
@@ -560,7 +560,7 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
         rows["time"] = _time_told(data["timing"])
     for number, warning in enumerate(data["warnings"], start=1):
         rows[f"warning {number}"] = warning
-    return {name: escape(told) for name, told in {**rows, "wrote": data["output"]}.items()}
+    return {**rows, "wrote": data["output"]}
 
 
 def _time_told(timing: dict[str, Any]) -> str:

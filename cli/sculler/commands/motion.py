@@ -131,7 +131,7 @@ the ellipsoid).
 @terminal.output_option
 @click.option(
     "--truth",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.OutputFile(),
     required=True,
     metavar="FILE",
     help="Where to write the truth.",

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
-import tempfile
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -24,6 +22,7 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
 from sculler_model.stream import from_words
+from sculler_sim import cache, processes
 from sculler_sim.place.devices import Family
 from sculler_sim.place.tools import YOSYS
 from sculler_sim.testbench import packed_hex
@@ -70,8 +69,7 @@ def simulate_netlist(
     if faults is None:
         faults = np.zeros(len(counts), np.int64)
     rows = np.column_stack([counts, faults]).tolist()
-    with tempfile.TemporaryDirectory(prefix="sculler-") as folder:
-        work = Path(folder)
+    with cache.workshop() as work:
         (work / "samples.hex").write_text(packed_hex(rows, sample_ports(design)), encoding="ascii")
         (work / "bench.v").write_text(
             _bench(design, generated, len(counts), results), encoding="ascii"
@@ -259,17 +257,8 @@ def _simulate(work: Path) -> str:
         environment = {**tools.environment, "MAKEFLAGS": make}
     said = ""
     for command in (compile_, run):
-        done = subprocess.run(
-            command,
-            cwd=work,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            check=False,
-        )
-        if done.returncode:
-            raise RuntimeError(f"{Path(command[0]).name} failed: {done.stdout.strip()[-300:]}")
-        said = done.stdout
+        (ended,) = processes.run(command, folder=work, environment=environment)
+        if ended.status:
+            raise RuntimeError(f"{Path(command[0]).name} failed: {ended.said.strip()[-300:]}")
+        said = ended.said
     return said

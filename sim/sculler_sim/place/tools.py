@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from dataclasses import dataclass
 from importlib import metadata
@@ -10,6 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from sculler_model.errors import InputError
+from sculler_sim import processes
 
 
 @dataclass(frozen=True)
@@ -53,17 +53,8 @@ class Tool:
         """
         self.version()
         code = f"import sys, {self.module} as m; sys.exit(m.{self.function}(sys.argv[1:]))"
-        done = subprocess.run(
-            [sys.executable, "-c", code, *arguments],
-            cwd=folder,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            check=False,
-        )
-        return done.returncode, done.stdout
+        (ended,) = processes.run([sys.executable, "-c", code, *arguments], folder=folder)
+        return ended.status, ended.said
 
     def share(self, path: str) -> Path:
         """A file or folder that the package ships.
