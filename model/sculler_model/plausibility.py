@@ -34,7 +34,7 @@ _WIDTH = 4  # samples on either side of a spike that may belong to it: interpola
 _KEPT = 1 << 10  # samples looked at again with the next ones
 _AROUND = 64  # samples on either side of a spike that it is held against
 _SPIKES = 4  # of a column in a block; more are no lone spikes
-_NOISE = 4.0  # counts: mean second difference from which noise must show in every sample
+_NOISE = 4.0  # counts: second difference from which noise must show in every sample
 
 
 @dataclass(frozen=True)
@@ -66,23 +66,24 @@ class Plausibility:
     * All six counts 0 for a second and 100 samples: gravity alone forbids it.
     * All six the same for five seconds and 100 samples.
     * One count the same for a second and 100 samples, while another of the same sensor shows noise;
-      or any other does, and the one itself showed noise before.  Noise is what the third
-      differences are not smaller in than the second, and the second more than four counts: smooth
-      motions are none.
+      or any other does, and the one itself showed noise before.  Noise has third differences larger
+      than its second ones (by the medians), and these more than four counts: no smooth motion has.
     * A count at its rail.
     * A count a thousand times further from the middle than all others of its column within 64
       samples, four on either side left out.
 
     Args:
         design: gives widths and rate.
+        rails: look for counts at their rails; not where what is looked at are no counts yet.
     """
 
-    def __init__(self, design: Design) -> None:
+    def __init__(self, design: Design, rails: bool = True) -> None:
         words = design.words
         allowed = [words.gyro] * 3 + [words.accel] * 3
         self._lo = np.array([each.lo for each in allowed], np.float64)
         self._hi = np.array([each.hi for each in allowed], np.float64)
         rate = design.sensor.sample_rate_hz
+        self._look_at_rails = rails
         self._long = max(_MANY, round(_LONG * rate))
         self._frozen = max(_MANY, round(_FROZEN * rate))
         self._waiting: list[tuple[Table, NDArray[np.float64] | None]] = []
@@ -139,7 +140,8 @@ class Plausibility:
         self._rows, self._times = rows, times
         self._columns = np.ascontiguousarray(rows.T)  # numpy is quick along long rows
         if len(rows) > kept:
-            self._rails(kept)
+            if self._look_at_rails:
+                self._rails(kept)
             self._runs(kept)
             self._noisy |= _noise(rows)
         if last:
@@ -246,10 +248,8 @@ def _noise(rows: Table) -> NDArray[np.bool_]:
     if len(rows) < _MANY:
         return np.zeros(6, np.bool_)
     second = np.diff(rows[-_KEPT:].astype(np.float64), n=2, axis=0)
-    size = np.abs(second).mean(axis=0)
-    noisy: NDArray[np.bool_] = (size > _NOISE) & (
-        np.abs(np.diff(second, axis=0)).mean(axis=0) > size
-    )
+    size, next_size = (np.median(np.abs(d), axis=0) for d in (second, np.diff(second, axis=0)))
+    noisy: NDArray[np.bool_] = (size > _NOISE) & (next_size > size)
     return noisy
 
 
