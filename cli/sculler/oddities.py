@@ -18,7 +18,7 @@ from sculler_model.host import MajorIncrements
 Array = NDArray[np.float64]
 
 SPIKE = 1000.0
-"""A lone interval this many times as large as its neighbours is a spike."""
+"""A lone interval this many times as large about an axis as its neighbours is a spike."""
 
 NEIGHBOURS = 2
 """On either side."""
@@ -40,12 +40,12 @@ class Oddities:
     """
 
     def __init__(self, design: Design) -> None:
-        self._lsb = np.array([design.gyro_scale, design.accel_scale])
+        self._lsb = np.repeat([design.gyro_scale, design.accel_scale], 3)
         self._long = max(FEWEST, round(LONG / design.major_interval))
         self._spikes = [_Spikes(), _Spikes()]
         self._repeats = [_Repeats(), _Repeats()]
         # of the last intervals: sizes, ends, how many at the beginning have been judged
-        self._sizes, self._times, self._judged = np.zeros((0, 2)), np.zeros(0), 0
+        self._sizes, self._times, self._judged = np.zeros((0, 6)), np.zeros(0), 0
         self._last = np.full((1, 2, 3), np.nan)
 
     def see(self, increments: MajorIncrements) -> None:
@@ -58,7 +58,7 @@ class Oddities:
         for k, repeats in enumerate(self._repeats):
             repeats.see(same[:, k], increments.times, rows[:, k])
         self._last = rows[-1:]
-        self._sizes = np.concatenate([self._sizes, np.abs(rows).max(axis=2)])
+        self._sizes = np.concatenate([self._sizes, np.abs(rows).reshape(-1, 6)])
         self._times = np.concatenate([self._times, increments.times])
         self._judge(len(self._sizes) - NEIGHBOURS)
 
@@ -87,7 +87,7 @@ class Oddities:
         return found
 
     def _forget(self) -> None:
-        self._sizes, self._times, self._judged = np.zeros((0, 2)), np.zeros(0), 0
+        self._sizes, self._times, self._judged = np.zeros((0, 6)), np.zeros(0), 0
         self._last = np.full((1, 2, 3), np.nan)
 
     def _judge(self, ready: int) -> None:
@@ -97,7 +97,8 @@ class Oddities:
         padded = np.pad(self._sizes, ((NEIGHBOURS, NEIGHBOURS), (0, 0)))
         places = [place for place in range(2 * NEIGHBOURS + 1) if place != NEIGHBOURS]
         rest = np.maximum.reduce([padded[place : place + count] for place in places])
-        ratios = self._sizes / np.maximum(rest, self._lsb)
+        by_axis = self._sizes / np.maximum(rest, self._lsb)
+        ratios = by_axis.reshape(-1, 2, 3).max(axis=2)
         for k, spikes in enumerate(self._spikes):
             rows = np.flatnonzero(ratios[self._judged : ready, k] > SPIKE) + self._judged
             if len(rows) and not spikes.count:

@@ -94,6 +94,7 @@ class Resampler:
             values: (N, C).
             faults: (N,) of 0 and 1; None for none.
         """
+        times, values = np.asarray(times, np.float64), np.asarray(values, np.float64)
         if not len(times):
             return self._empty(values.shape[1])
         flags = np.zeros(len(times), np.int64) if faults is None else faults.astype(np.int64)

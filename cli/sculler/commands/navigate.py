@@ -495,7 +495,7 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
     if data["short_history_results_left_out"]:
         rows["short history"] = (
             f"{terminal.plural(data['short_history_results_left_out'], 'result')} reached before"
-            " the first sample (status bit 0) and cannot be carried: the run begins after it, at"
+            " the first sample (status bit 0) and cannot be carried: the run begins after that, at"
             f" {data['start_s']:.15g} s, where the initial state holds"
         )
 

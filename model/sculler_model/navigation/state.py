@@ -166,17 +166,20 @@ def three_numbers(name: str, vector: VectorLike) -> Vector:
     Raises:
         InputError: it is not three numbers.
     """
+    numbers: tuple[object, ...] = ()
     try:
-        if isinstance(vector, np.ndarray) and vector.ndim != 1:
-            raise TypeError
         x, y, z = vector
-        return (float(x + 0.0), float(y + 0.0), float(z + 0.0))  # the sum refuses text
+        numbers = x + 0.0, y + 0.0, z + 0.0  # text has no such sum
     except (TypeError, ValueError):
+        pass
+    floats = [float(number) for number in numbers if isinstance(number, float | np.floating)]
+    if len(floats) != 3:
         shape = f" of shape {vector.shape}" if isinstance(vector, np.ndarray) else ""
         raise InputError(
             f"{name}: {type(vector).__name__}{shape} is not allowed, give three numbers as a"
             " tuple, a list or an array of shape (3,)"
-        ) from None
+        )
+    return (floats[0], floats[1], floats[2])
 
 
 def told_times(increments: MajorIncrements) -> Array | None:
