@@ -127,7 +127,7 @@ def _known(error: Exception) -> int | None:
     """
     for module, name, status in (
         ("sculler_model.errors", "InputError", BAD_INPUT),
-        ("sculler_sim.place.tools", "ToolError", BAD_INPUT),
+        ("sculler_model.errors", "ToolError", BAD_INPUT),
         ("sculler_sim.run", "SimulationError", FAILED),
     ):
         if module in sys.modules and isinstance(error, getattr(sys.modules[module], name)):

@@ -46,8 +46,10 @@ RANGES = {
     "lat_deg": (-90.0, 90.0),
     "lon_deg": (-360.0, 360.0),
     "height_m": (MIN_HEIGHT, MAX_HEIGHT),
+    **dict.fromkeys(("v_north", "v_east", "v_down"), (-100000.0, 100000.0)),
+    **dict.fromkeys(QUATERNION, (-2.0, 2.0)),
 }
-"""What is on or near the Earth."""
+"""What is on or near the Earth, at speeds that stay there."""
 
 BLOCK = 20_000
 """Rows read at a time."""

@@ -55,7 +55,7 @@ def note(path: str | Path | int) -> None:
     if key in run.outputs:
         raise _both(run.outputs[key], path)
     kept = run.inputs if len(key) == 2 else run.folders
-    kept.setdefault(key, "the standard input" if isinstance(path, int) else str(path))
+    kept.setdefault(key, _told(path))
 
 
 def refuse(path: str | Path) -> None:
@@ -97,11 +97,15 @@ def claim(path: str | Path) -> None:
 
 
 def _both(output: str | Path, read: str | Path | int) -> InputError:
-    same = "" if str(output) == str(read) else f" (as {read})"
+    same = "" if str(output) == _told(read) else f" (as {_told(read)})"
     return InputError(
         f"{output}: this command reads this file{same} and would replace it, give the output"
         " another name"
     )
+
+
+def _told(path: str | Path | int) -> str:
+    return "standard input" if isinstance(path, int) else str(path)
 
 
 def _key(path: str | Path | int) -> _Key | None:

@@ -195,6 +195,7 @@ def _harness(design: Design, wave: _Wave | None) -> str:
     lines = [f"#define SCULLER_SAMPLES(X) {_each(counts)}"]
     if wave:
         lines += [f'#include "{wave.header}"', f"#define SCULLER_TRACE {wave.writer}"]
+        lines += ["#define SCULLER_VCD"] * (wave.writer == "VerilatedVcdC")
     if design.hardware.handover == "stream":
         lines += [f"#define SCULLER_WORDS {words_per_result(design)}"]
     else:

@@ -79,6 +79,9 @@ G = 9.80665
 STEP = 0.05
 """Widest step of the sums over frequency, Hz."""
 
+HIGHEST = 1e5
+"""Highest frequency of a spectrum, Hz: the sums have a term each `STEP`."""
+
 COLUMNS = ("freq_hz", "psd_g2_per_hz")
 """Header of a spectrum file."""
 
@@ -108,10 +111,11 @@ class Spectrum:
         for number, (frequency, density) in enumerate(
             zip(self.frequencies, self.densities, strict=True), start=1
         ):
-            if not (frequency > 0 and density > 0 and isfinite(frequency) and isfinite(density)):
+            if not (0 < frequency <= HIGHEST and density > 0 and isfinite(density)):
                 raise InputError(
                     f"{self.name}: point {number}: {frequency:g} Hz, {density:g} g²/Hz is not"
-                    " allowed, give finite numbers > 0 (outside its points a spectrum is zero)"
+                    f" allowed, give frequencies > 0 and <= {HIGHEST:,.0f} Hz and finite densities"
+                    " > 0 (outside its points a spectrum is zero)"
                 )
         for before, after in pairwise(self.frequencies):
             if after < before:

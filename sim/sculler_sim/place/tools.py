@@ -8,6 +8,7 @@ from importlib import metadata
 from importlib.resources import files
 from pathlib import Path
 
+from sculler_model import errors
 from sculler_model.errors import InputError
 from sculler_sim import processes
 
@@ -73,8 +74,8 @@ NEXTPNR = {
 }
 
 
-class ToolError(RuntimeError):
-    """A tool failed on what should have gone well; the last lines it said are in the message."""
+class ToolError(errors.ToolError):
+    """Yosys or nextpnr failed; the last lines it said are in the message."""
 
     def __init__(self, tool: Tool, said: str) -> None:
         tail = " | ".join(line.strip() for line in said.strip().splitlines()[-4:])
