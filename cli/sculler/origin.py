@@ -19,7 +19,7 @@ import click
 
 from sculler_sim.files import replacing
 
-_BLOCK = 1 << 20
+_BLOCK = 1 << 16
 _LARGEST_RECORD = 1 << 24
 
 

@@ -26,9 +26,9 @@ from sculler_model.navigation.rotation import (
 
 Array = NDArray[np.float64]
 
-H, RUNS = 500.0, 200
+H, RUNS = 500.0, 120
 WITHIN = 0.2
-"""Of the told sigmas; an rms of 200 runs itself scatters by 5 %."""
+"""Of the told sigmas; an rms of 120 runs itself scatters by 6 %."""
 ROOT_HOUR = 60.0
 
 

@@ -33,7 +33,7 @@ MIN_SECONDS = 10.0
 ESTIMATED = SensorNoise()
 """Nothing known: the window shows the noise."""
 
-_FEWEST, _SEGMENTS = 10, 200  # intervals; parts to see the noise's spectrum in, at most
+_FEWEST, _SEGMENTS = 10, 128  # intervals; parts to see the noise's spectrum in, at most
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ That wander, two series of tilts about north and east, is a sum of three kinds o
     blue    noise of the velocity at an instant (counts, vibration) σ_v: (σ_v/(gτ))², differenced
 
 Sway that the gyros follow is in none of them.  The gyros' angle by itself shows N more sharply, its
-counts apart, but takes sway for noise; so N is its, unless the tilts contradict it: they walk less,
-for the unit sways, or more, for the accelerometers' bias does.  The gyros are taken to be alike.
+counts apart, but takes sway for noise.  So N is the mean over what it may be in the light of the
+tilts: most likely what the gyros show, or less (the unit sways), hardly more (the accelerometers'
+bias walks); where the tilts contradict the gyros they go before.  The gyros are taken to be alike.
 
 The variances are those of most likelihood, from the series' cosine transform, in which a random
 walk and white noise fall apart into independent modes.
@@ -29,7 +30,10 @@ from sculler_model.errors import InputError
 Array = NDArray[np.float64]
 
 _ROUNDS = 300
-_CONTRADICTION = 3.0  # in log likelihood: 2.4 standard deviations
+_FEWER = 40
+_NOTHING = 1e-40  # rad², of a series without any noise
+_POINTS = 16
+_AS_SHOWN, _LESS, _MORE = 4.0, 1.0, 0.1  # the odds that N is the gyros', up to it, up to any
 _SMALLEST_VELOCITY_NOISE = 1e-12  # m/s
 
 
@@ -89,16 +93,10 @@ def estimated_noise(tilts: Array, angles: Array, step: float, gravity: float) ->
         gravity: m/s².
     """
     modes, spectra = _modes(len(tilts))
-    power = np.square(modes @ tilts).mean(axis=1)
-    variances = _most_likely(power, spectra)
-    gyros = np.square(modes @ angles).mean(axis=1)
-    walk = _most_likely(gyros, spectra[:, :2])[0]  # counts are white in an angle
-    if variances.any():
-        left = _most_likely(power, spectra, walk)
-        worse = _log_likelihood(power, spectra @ variances) - _log_likelihood(power, spectra @ left)
-        if worse * tilts.shape[1] < _CONTRADICTION:
-            variances = left
-    walk, white, blue = variances.tolist()
+    power, gyros = (np.square(modes @ series).mean(axis=1) + _NOTHING for series in (tilts, angles))
+    shown = sqrt(_most_likely(gyros, spectra[:, :2])[0])  # counts are white in an angle
+    known = _mean_walk(power, spectra, tilts.shape[1], shown)
+    walk, white, blue = _most_likely(power, spectra, np.array([known]))[0].tolist()
     return SensorNoise(
         angle_random_walk=sqrt(walk / step),
         velocity_random_walk=gravity * sqrt(white * step),
@@ -106,7 +104,42 @@ def estimated_noise(tilts: Array, angles: Array, step: float, gravity: float) ->
     )
 
 
-def _most_likely(power: Array, spectra: Array, first: float | None = None) -> Array:
+def _mean_walk(power: Array, spectra: Array, axes: int, shown: float) -> float:
+    """The walk's variance (a step's, rad²), its mean over what it may be.
+
+    Args:
+        power: (P,) of the tilts' modes, a mean over so many `axes`.
+        spectra: (P, 3) for variances of 1.
+        axes: how many.
+        shown: the walk that the gyros show, rad.
+    """
+    free = _most_likely(power, spectra)
+
+    def chances(walks: Array) -> Array:
+        expected = _most_likely(power, spectra, walks * walks, free) @ spectra.T
+        fit = -0.5 * axes * np.sum(np.log(expected) + power / expected, axis=1)
+        chance: Array = np.exp(np.minimum(fit - best, 0.0))
+        return chance
+
+    expected = spectra @ free
+    best = -0.5 * axes * float(np.sum(np.log(expected) + power / expected))
+    # three times what would explain all of the tilts at the lowest modes: more than they allow
+    largest = 3 * sqrt(float((power[:4] / spectra[:4, 0]).max()))
+    weights, squares = [_AS_SHOWN * chances(np.array([shown]))], [np.array([shown**2])]
+    for limit, weight in ((shown, _LESS), (largest, _MORE)):
+        walks = np.union1d(limit * np.linspace(0, 1, _POINTS) ** 2, min(limit, sqrt(free[0])))
+        if len(walks) > 1:
+            spread = np.gradient(walks)  # every walk up to the limit as likely as another
+            weights.append(weight * chances(walks) * spread / spread.sum())
+            squares.append(walks**2)
+    chance = np.concatenate(weights)
+    total = float(chance.sum())
+    return float(chance @ np.concatenate(squares)) / total if total > 0 else float(free[0])
+
+
+def _most_likely(
+    power: Array, spectra: Array, first: Array | None = None, start: Array | None = None
+) -> Array:
     """Variances of most likelihood for the modes' powers, each with its spectrum.
 
     The powers' mean values are the variances times the spectra.  The rule that lifts the
@@ -116,24 +149,26 @@ def _most_likely(power: Array, spectra: Array, first: float | None = None) -> Ar
     Args:
         power: (P,) of the modes.
         spectra: (P, V) for variances of 1.
-        first: the first variance, where it is known.
+        first: (W,) the first variance, where it is known: as many cases.
+        start: (V,) variances to begin from, for fewer rounds.
+
+    Returns:
+        (V,), or (W, V) with `first`.
     """
-    if not power.max() > 0:
-        return np.zeros(spectra.shape[1])
-    variances: Array = power.mean() / spectra.mean(axis=0)
-    for _ in range(_ROUNDS):
+    cases = 1 if first is None else len(first)
+    even: Array = power.mean() / spectra.mean(axis=0)
+    variances: Array = np.tile(
+        even if start is None else np.maximum(start, 1e-3 * even), (cases, 1)
+    )
+    for _ in range(_ROUNDS if start is None else _FEWER):
         if first is not None:
-            variances[0] = first
-        expected = spectra @ variances
+            variances[:, 0] = first
+        expected = np.maximum(variances @ spectra.T, 1e-300)
         variances *= np.sqrt((power / expected**2) @ spectra / ((1 / expected) @ spectra))
     if first is not None:
-        variances[0] = first
-    return variances
-
-
-def _log_likelihood(power: Array, expected: Array) -> float:
-    """Of one series, but for a constant."""
-    return -0.5 * float(np.sum(np.log(expected) + power / expected))
+        variances[:, 0] = first
+    result: Array = variances[0] if first is None else variances
+    return result
 
 
 @lru_cache(maxsize=8)
