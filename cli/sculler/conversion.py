@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.first_seconds import FirstSeconds
+from sculler.log_beginning import LogBeginning
 from sculler.mounting import Mounting
 from sculler.readers import Unit
 from sculler_model.design import Design
@@ -79,7 +79,7 @@ class Conversion:
         self.samples = 0
         self.largest = np.zeros(6, np.int64)
         self._sizes = np.zeros(2)  # sums of |rate| and |specific force|
-        self._first_seconds = FirstSeconds(design)
+        self._beginning = LogBeginning(design)
 
     def _lsb(self, sensor: str) -> float:
         return self._design.sensor.gyro.lsb if sensor == "gyro" else self._design.sensor.accel.lsb
@@ -136,7 +136,7 @@ class Conversion:
                 counts[:, part] = whole[:, part]
         self.samples += len(values)
         self.largest = np.maximum(self.largest, np.abs(counts).max(axis=0))
-        self._first_seconds(si)
+        self._beginning(si)
         self._sizes += [np.linalg.norm(si[:, part], axis=1).sum() for part in _TRIPLES.values()]
         return counts
 
@@ -160,7 +160,7 @@ class Conversion:
                 ),
                 "",
             )
-            steady = None if slip else self._first_seconds.size_hint()
+            steady = None if slip else self._beginning.size_hint()
             hints.append(
                 steady
                 or f"the mean specific force is {force:.4g} m/s², far from gravity's 9.8{slip}:"
@@ -172,7 +172,7 @@ class Conversion:
                 f"the mean angular rate is {rate:.4g} rad/s, {than}: check the gyro's unit and"
                 " scale"
             )
-        return hints if wrong_size else [*hints, *self._first_seconds.hints()]
+        return hints if wrong_size else [*hints, *self._beginning.hints()]
 
     @property
     def remainder(self) -> tuple[float, ...]:

@@ -1,82 +1,139 @@
-"""What the first seconds of a log say of its units and axes: gravity's size and direction."""
+"""The specific force of a run's first seconds against the gravity that its initial state implies.
+
+A start that is said to be still, and is steady, must feel gravity, upward by the given attitude.
+A start under way may feel anything, so only what no manoeuvre does is told of it: a force that
+stands steadily on the vertical and is half, twice or the negative of gravity.
+"""
 
 from __future__ import annotations
+
+from math import acos, asin, atan2, degrees
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.design import Design
+from sculler_model.host import MajorIncrements
+from sculler_model.navigation import AxisMap, Gravity, NavState
+from sculler_model.navigation.gravity import NORMAL, pull
+from sculler_model.navigation.rotation import from_rotation_vector, product, rotate
 
-_GRAVITY = 9.80665  # m/s²
-_SECONDS = 2.0  # looked at
-_STEADY = 0.1  # of gravity: standard deviation of a log that begins without manoeuvres
-_OFF = 0.04  # of gravity: more than sensors and places differ
-_TURNING = 0.02  # rad/s: mean rate in which a vehicle's turn adds to gravity
-_OFF_TURNING = 0.2
-_UP = 0.5  # of the force along +z
+Array = NDArray[np.float64]
+
+LONG, SHORT = 2.0, 1.0
+"""Seconds that are looked at; fewer than the latter tell nothing."""
+
+STILL = 0.5
+"""m/s, a velocity up to which a start is meant to be still."""
+
+STEADY = 0.03
+"""Of gravity: how far eighths of the window may stray from its mean; a manoeuvre strays more."""
+
+SIZE = 0.04
+"""Of gravity: what no accelerometer is off, for the worst are known to 2 %."""
+
+LEAN = 5.0
+"""Degrees that a still unit's attitude may be off: it would run off with 0.9 m/s²."""
+
+PLAIN = AxisMap.parse("x,y,z")
+"""Sensor axes that are the body's."""
+
+_PARTS = 8
 _CAUSES = (
-    (0.5, "half of it: is the sample rate twice the true one, or the scale half of it?"),
-    (2.0, "twice it: is the sample rate half the true one, or the scale twice it?"),
-    (1 / _GRAVITY, "m/s² taken for g?"),
-    (0.3048, "feet taken for metres?"),
-    (1 / 0.3048, "metres taken for feet?"),
+    (0.5, "the sample rate of the design is half the log's, or the accelerometer's LSB is half"),
+    (2.0, "the sample rate of the design is twice the log's, or the accelerometer's LSB is twice"),
+    (1 / 9.80665, "the accelerometer's unit is g and was taken for m/s²"),
+    (9.80665, "the accelerometer's unit is m/s² and was taken for g"),
+    (0.3048, "feet were taken for metres the wrong way"),
+    (1 / 0.3048, "the accelerometer's unit is feet and was taken for m"),
 )
 
 
 class FirstSeconds:
-    """Mean specific force and rate over the first seconds.
+    """Looks at a run's first intervals; `warning` says what is odd about them.
 
     Args:
-        design: gives kind and rate.
+        state: the initial one.
+        interval: length of a major interval, s.
+        gravity: the model to navigate by.
+        axes: how the sensor's axes became the body's.
     """
 
-    def __init__(self, design: Design) -> None:
-        self._over = design.sample_interval if design.sensor.kind == "increment" else 1.0
-        self._wanted = max(round(_SECONDS * design.sensor.sample_rate_hz), 4)
-        self._samples: list[NDArray[np.float64]] = []
-        self._count = 0
+    def __init__(
+        self, state: NavState, interval: float, gravity: Gravity = NORMAL, axes: AxisMap = PLAIN
+    ) -> None:
+        self._state, self._interval, self._axes = state, interval, axes
+        self._gravity = pull(gravity, _sine(state.lat), state.h)[1]
+        self._wanted = max(1, round(LONG / interval))
+        self._parts: list[MajorIncrements] = []
 
-    def __call__(self, si: NDArray[np.float64]) -> None:
-        """Take the next samples (N, 6), SI units of the design's kind, in the log's axes."""
-        if self._count < self._wanted and len(si):
-            self._samples.append(si[: self._wanted - self._count] / self._over)
-            self._count += len(self._samples[-1])
+    def see(self, increments: MajorIncrements) -> None:
+        """Take the next intervals, in body axes."""
+        missing = self._wanted - sum(map(len, self._parts))
+        if missing > 0:
+            self._parts.append(increments[:missing])
 
-    def _means(self) -> tuple[float, NDArray[np.float64]]:
-        """Size of the mean rate, and mean force; zeros if the log does not begin steadily."""
-        if self._count < 4:
-            return 0.0, np.zeros(3)
-        samples = np.concatenate(self._samples)
-        if samples[:, 3:].std(axis=0).max() > _STEADY * _GRAVITY:
-            return 0.0, np.zeros(3)
-        return float(np.linalg.norm(samples[:, :3].mean(axis=0))), samples[:, 3:].mean(axis=0)
-
-    def size_hint(self) -> str | None:
-        """What looks wrong of the force's size."""
-        rate, force = self._means()
-        size = float(np.linalg.norm(force))
-        allowed = _OFF if rate < _TURNING else _OFF_TURNING
-        if not size or abs(size / _GRAVITY - 1) <= allowed:
+    @property
+    def warning(self) -> str | None:
+        """What to look at before trusting the run; None if nothing is odd."""
+        count = sum(map(len, self._parts))
+        if count < _PARTS or count * self._interval < SHORT:
             return None
-        cause = next(
-            (told for ratio, told in _CAUSES if abs(size / _GRAVITY / ratio - 1) < 0.03),
-            "check the accelerometer's unit and scale, and the sample rate",
-        )
+        forces = self._forces()
+        mean = forces.mean(axis=0)
+        strays = [np.linalg.norm(p.mean(axis=0) - mean) for p in np.array_split(forces, _PARTS)]
+        g, size = self._gravity, float(np.linalg.norm(mean))
+        if max(strays) > STEADY * g or size == 0:
+            return None
+        from_up = degrees(acos(min(1.0, max(-1.0, -float(mean[2]) / size))))
+        still = max(map(abs, self._state.v)) <= STILL
+        vertical = min(from_up, 180 - from_up) < LEAN
+        if abs(size / g - 1) > SIZE:
+            cause = _cause(size / g)
+            if still or (vertical and cause in [words for _, words in _CAUSES[:2]]):
+                return self._wrong_size(size, cause)
+            return None
+        if from_up > 180 - LEAN or (still and from_up > LEAN):
+            return self._wrong_way(mean, from_up)
+        return None
+
+    def _forces(self) -> Array:
+        """(R, 3) specific force, m/s², in the initial north-east-down, the gyros at their word."""
+        window = MajorIncrements.concatenate(self._parts)
+        q, forces = self._state.q, []
+        for phi, dv in zip(window.phi.tolist(), window.dv_sf.tolist(), strict=True):
+            forces.append(rotate(q, (dv[0], dv[1], dv[2])))
+            q = product(q, from_rotation_vector((phi[0], phi[1], phi[2])))
+        return np.array(forces) / self._interval
+
+    def _wrong_size(self, size: float, cause: str) -> str:
         return (
-            f"the specific force at the beginning is {size:.4g} m/s², gravity is 9.8 m/s²: {cause}"
+            f"specific force in the first seconds is {size:.4g} m/s², but gravity"
+            f" {self._gravity:.4g} ({size / self._gravity:.3g} of it): {cause}"
         )
 
-    def hints(self) -> list[str]:
-        """What looks wrong; nothing if the log does not begin steadily."""
-        size_hint = self.size_hint()
-        hints = [] if size_hint is None else [size_hint]
-        _, force = self._means()
-        size = float(np.linalg.norm(force))
-        if size and force[2] > _UP * size:
-            hints.append(
-                f"the specific force at the beginning is {force[2]:+.4g} m/s² along z, which is to"
-                f" point down (at rest: -9.8): do the file's axes point forward, left, up (--axes"
-                " FLU), right, forward, up (--axes RFU), or does the unit give acceleration with"
-                " gravity's sign (--accel-columns -ax,-ay,-az)?"
-            )
-        return hints
+    def _wrong_way(self, mean: Array, from_up: float) -> str:
+        told = f"specific force in the first seconds points {from_up:.0f}° from up"
+        if from_up > 180 - LEAN:
+            advice = "check --axes, --roll and --pitch"
+            if self._axes == PLAIN:
+                advice = "try --axes x,-y,-z (forward, left, up) or y,x,-z (right, forward, up)"
+            return f"{told} by the initial attitude: the unit's z points up; {advice}"
+        body = self._parts[0].dv_sf.sum(axis=0)
+        x, y, z = (body / np.linalg.norm(body)).tolist()
+        roll, pitch = degrees(atan2(-y, -z)), degrees(asin(min(1.0, max(-1.0, x))))
+        return (
+            f"{told} by the initial attitude; a unit that stands still has roll {roll:.1f}°, pitch"
+            f" {pitch:.1f}° by it: check --axes, --roll and --pitch (or --align)"
+        )
+
+
+def _cause(ratio: float) -> str:
+    """Why the force might be this many times gravity."""
+    for known, words in _CAUSES:
+        if abs(ratio / known - 1) < SIZE:
+            return words
+    return "check the accelerometer's LSB and unit, and the sample rate"
+
+
+def _sine(angle: float) -> float:
+    return float(np.sin(angle))

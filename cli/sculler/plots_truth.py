@@ -21,7 +21,7 @@ from sculler.plots import (
 )
 from sculler.terminal import three_digits
 from sculler_model.navigation import NavHistory
-from sculler_model.navigation_errors import NAUTICAL_MILE, NavErrors
+from sculler_model.navigation_errors import NAUTICAL_MILE, NavErrors, known
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,10 +32,18 @@ SCHULER_PERIOD = 84.4 * 60
 """s; of a pendulum as long as the Earth's radius."""
 
 
+def truth_picture_paths(output: Path) -> list[Path]:
+    """Where `truth_pictures` draws."""
+    names = ("errors", "growth", "track")
+    return [output.with_name(f"{output.stem}_{name}.png") for name in names]
+
+
 def truth_pictures(
     estimate: NavHistory, truth: NavHistory, errors: NavErrors, growth: float, output: Path
 ) -> list[Path]:
     """Errors over time, growth of the horizontal error, and tracks, beside the CSV `output`.
+
+    What the truth does not tell is not drawn.
 
     Args:
         estimate, truth: states at the same instants.
@@ -43,11 +51,14 @@ def truth_pictures(
         growth: of the horizontal error, m/s.
         output: names the pictures.
     """
-    names = ("errors", "growth", "track")
-    paths = [output.with_name(f"{output.stem}_{name}.png") for name in names]
-    _errors(paths[0], errors)
-    _growth(paths[1], errors, growth)
-    _tracks(paths[2], estimate, truth, errors)
+    told = known(truth)
+    paths = truth_picture_paths(output)
+    if "position" not in told:
+        del paths[1:]
+    _errors(paths[0], errors, told)
+    if len(paths) > 1:
+        _growth(paths[1], errors, growth)
+        _tracks(paths[2], estimate, truth, errors)
     return paths
 
 
@@ -68,13 +79,14 @@ def fitting(unit: str, *values: Array) -> tuple[float, str]:
     return float(1000**step), SMALLER[unit][step]
 
 
-def _errors(path: Path, errors: NavErrors) -> None:
+def _errors(path: Path, errors: NavErrors, told: tuple[str, ...]) -> None:
     """Level components on the left; heading and the vertical, which runs its own way, right."""
     scale, unit = time_scale(errors.time)
     t = errors.time / scale
     with new_figure(path, 12, 9) as figure:
-        grid: Any = figure.subplots(3, 2, sharex=True)
-        for panels, (quantity, (of, size, _)) in zip(grid, UNITS.items(), strict=True):
+        grid: Any = figure.subplots(len(told), 2, sharex=True, squeeze=False)
+        for panels, quantity in zip(grid, told, strict=True):
+            of, size, _ = UNITS[quantity]
             north, east, down = (size * getattr(errors, quantity)).T
             level, vertical = panels
             names = NAMES[quantity]

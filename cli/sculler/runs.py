@@ -19,6 +19,7 @@ from sculler_model.blocks import VectorBlock, component_dtype
 from sculler_model.design import Design
 from sculler_model.fast import FastModel
 from sculler_model.golden import GoldenModel, Sample
+from sculler_model.instants import end_after_stamp
 from sculler_model.plausibility import Plausibility, told
 from sculler_model.vectors import STATUS_FAULT, STATUS_SHORT_HISTORY
 from sculler_sim.engine import simulate
@@ -181,7 +182,7 @@ def simulate_log(
 class _Source:
     """A log's samples for a core, `RESET` at its breaks; and what becomes of them.
 
-    It knows the stamps at which major intervals end.  Results come in order, however late: each
+    It knows the instants at which major intervals end.  Results come in order, however late: each
     takes the next end.
 
     Attributes:
@@ -205,7 +206,7 @@ class _Source:
                 yield RESET
                 continue
             if chunk.times is not None:
-                ends = chunk.times[span - 1 - self._phase :: span]
+                ends = chunk.times[span - 1 - self._phase :: span] + end_after_stamp(self._design)
                 self._ends = ends if self._ends is None else np.concatenate([self._ends, ends])
             self._phase = (self._phase + len(chunk.counts)) % span
             self._samples += len(chunk.counts)

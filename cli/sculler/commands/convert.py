@@ -41,7 +41,7 @@ _MAX_GAP = 1.0
         "    --gyro-bias eb0 --accel-bias db0 --misalignment mu0",
     ),
 )
-@click.argument("log", type=click.Path(path_type=Path))
+@click.argument("log", type=terminal.InputFile(Path))
 @terminal.output_option
 @click.option("--design", "design_name", metavar="DESIGN", required=True, help="Gives the scales.")
 @click.option(
@@ -188,15 +188,18 @@ def command(
     """
     from sculler.conversion import Conversion
     from sculler.logs import LogWriter
+    from sculler.origin import write_origin
     from sculler.readers import timing_told
     from sculler.readers.preparation import Watch, differenced, signed, unstamped
     from sculler.readers.timing import Timing, resampled
+    from sculler_model import inputs
     from sculler_model.errors import InputError
     from sculler_sim.files import replacing
 
     design = terminal.load_design(design_name)
     if max_gap is not None and gaps != "bridge":
         raise click.UsageError("--max-gap goes with --gaps bridge, give both or leave it out")
+    inputs.require_file(log, "log")
     log_format = _format(log, log_format, options)
     mounting = _mounting(log, log_format, axes, misalignment)
     biases = _biases(log, log_format, gyro_bias, accel_bias)
@@ -237,10 +240,12 @@ def command(
         reworked = gaps == "bridge" or resampler is not None
         conversion = Conversion(log, design, gyro, accel, mounting, biases, reworked)
         faults = recording.has_faults or gaps == "bridge"
-        clock = recording.clock
+        clock, to_instant = recording.clock, _to_instant(design, given, rates, resampler)
         with LogWriter(temporary, faults=faults, times=clock is not None) as writer:
             for chunk in chunks:
-                times = None if clock is None or chunk.times is None else chunk.times + clock.origin
+                times = None
+                if clock is not None and chunk.times is not None:
+                    times = chunk.times + (clock.origin + to_instant)
                 try:
                     counts = conversion(chunk.values)
                 except InputError as error:
@@ -267,6 +272,7 @@ def command(
         data["notes"]["running sums"] = differences.told()
     if resampler is not None and timing is not None:
         data["timing"]["left_out_s"] = resampler.left_out
+    write_origin(output, {"source": log, "design": design_name}, data)
     terminal.report(
         data, as_json, terminal.facts(_facts(data)), *_mounting_table(data),
         *timing_told.gaps_table(data["timing"]), _ranges(data)
@@ -519,6 +525,15 @@ def _resampler(design: Design, given: Kind, rates: str, steps: str) -> Resampler
     return None
 
 
+def _to_instant(design: Design, given: Kind, rates: str, resampler: Resampler | None) -> float:
+    """From the stamps to the instants of the design's samples, s.
+
+    A mean over the interval that ends at a stamp is the rate in the interval's middle.
+    """
+    mean = rates == "mean" if given == "rate" else resampler is None
+    return -0.5 * design.sample_interval if mean and design.sensor.kind == "rate" else 0.0
+
+
 def _unit(design: Design, unit: Unit, given: Kind, resampler: Resampler | None) -> Unit:
     """The unit of the values as they come to the conversion."""
     from sculler.readers import Unit
@@ -577,8 +592,6 @@ def _summary(
 
 
 def _facts(data: dict[str, Any]) -> dict[str, str]:
-    from rich.markup import escape
-
     rows = {
         "read": f"{data['log']} (format {data['format']})",
         "samples": f"{data['samples']:,}, {data['seconds']:,.6g} s",
@@ -589,8 +602,7 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
         from sculler.readers import timing_told
 
         rows["time"] = timing_told.words(data["timing"])
-    rows = {name: escape(told) for name, told in rows.items()}
-    return rows | terminal.warning_rows(data["warnings"]) | {"wrote": escape(data["output"])}
+    return rows | terminal.warning_rows(data["warnings"]) | {"wrote": data["output"]}
 
 
 def _mounting_table(data: dict[str, Any]) -> list[Any]:

@@ -142,7 +142,14 @@ def npz_arrays(path: Path) -> dict[str, NDArray[Any]]:
         raise InputError(
             f"{path}: cannot read the log ({error.strerror or error}), check the path"
         ) from error
-    except (ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
+    except (  # RuntimeError: encrypted, or (its child) compressed in a way nobody knows
+        ValueError,
+        EOFError,
+        KeyError,
+        RuntimeError,
+        zipfile.BadZipFile,
+        zlib.error,
+    ) as error:
         raise InputError(f"{path}: not a whole .npz file ({error}), write it again") from error
 
 
