@@ -77,6 +77,6 @@ class LogBeginning:
                 f"the specific force at the beginning is {force[2]:+.4g} m/s² along z, which is to"
                 f" point down (at rest: -9.8): do the file's axes point forward, left, up (--axes"
                 " FLU), right, forward, up (--axes RFU), or does the unit give acceleration with"
-                " gravity's sign (--accel-columns -ax,-ay,-az)?"
+                " gravity's sign (--accel-columns -ax,-ay,-az)? (navigate --axes turns them later)"
             )
         return hints

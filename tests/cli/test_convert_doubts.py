@@ -232,6 +232,15 @@ def test_late_stamps_are_no_gap(convert: Run, tmp_path: Path, plain: Any) -> Non
     assert stamps == pytest.approx(NUMBER[1:] * H)
 
 
+def test_places_follow_a_clock_that_is_off(convert: Run, tmp_path: Path) -> None:
+    """Half a per cent in 400 samples is two intervals; with jitter, and still no stamp strays."""
+    jitter = np.random.default_rng(6).uniform(-0.2, 0.2, 400)
+    stamps = (NUMBER * 1.005 + jitter) * H
+    said, _, times = convert(log(tmp_path / "in.csv", seconds(stamps)), *RATES)
+    assert said["timing"]["passed_over"] == 0
+    assert times == pytest.approx(stamps[1:], abs=1e-6)
+
+
 def test_ignored_gaps_stay_in_the_stamps(
     run: Run, refused: Refused, tmp_path: Path, d100: Path
 ) -> None:
