@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.against_truth import AgainstTruth
+from sculler.first_seconds import FirstSeconds
 from sculler.oddities import Oddities
 from sculler.terminal import plural
 from sculler.vector_breaks import Break, begins_at, stretches
@@ -22,14 +23,18 @@ from sculler_model.navigation import (
     Alignment,
     AxisMap,
     FineAlignment,
+    Gravity,
     Mechanisation,
     NavHistory,
     NavState,
+    SensorNoise,
     align,
     align_finely,
     trajectory,
 )
+from sculler_model.navigation.alignment import ESTIMATED
 from sculler_model.navigation.coasting import coasted
+from sculler_model.navigation.gravity import NORMAL
 from sculler_model.navigation.rotation import from_euler, to_euler
 from sculler_model.vectors import STATUS_FAULT, STATUS_LOST, STATUS_RAIL
 
@@ -112,6 +117,8 @@ class Plan:
         fine: refine it.
         third_order: correct φ by `ThirdOrder`.
         split: begin anew after a break, which else is refused.
+        gravity: the model of gravity.
+        noise: what is known of the sensors, for the alignment.
     """
 
     design: Design
@@ -125,6 +132,8 @@ class Plan:
     fine: bool = False
     third_order: bool = False
     split: bool = False
+    gravity: Gravity = NORMAL
+    noise: SensorNoise = ESTIMATED
 
 
 @dataclass
@@ -170,6 +179,7 @@ class NavigationRun:
         self._T, self._half = plan.design.major_interval, 0.5 * plan.design.sample_interval
         self.seen = Seen()
         self._oddities = Oddities(plan.design)
+        self._first: FirstSeconds | None = None
         self._span: tuple[float, float] | None = None  # of the vectors so far
         self._over = False
         self._begin()
@@ -313,10 +323,11 @@ class NavigationRun:
         assert window.times is not None
         self._count(window)
         place = self._place()
-        coarse = align(window, self._T, place[0], place[2])
+        known = (plan.noise, plan.gravity)
+        coarse = align(window, self._T, place[0], place[2], *known)
         state = coarse.state(*place)
         if plan.fine:
-            self._bias = align_finely(window, self._T, place[0], place[2])
+            self._bias = align_finely(window, self._T, place[0], place[2], *known)
             state = self._bias.state(*place)
         if self.seen.start is None:
             self.seen.alignment, self.seen.fine = coarse, self._bias
@@ -335,6 +346,9 @@ class NavigationRun:
         """Navigate from a state on."""
         if self.seen.start is None:
             self.seen.start = state
+            if self._plan.align is None:  # which looks at the force itself
+                plan = self._plan
+                self._first = FirstSeconds(state, self._T, plan.gravity, plan.axes)
         self._navigator = self._plan.mechanisation(state, self.seen.start.h)
         self.seen.end = state
         self._show(NavHistory.from_states([state]))
@@ -348,6 +362,8 @@ class NavigationRun:
             self._over = rows < len(increments)
             increments = increments[:rows]
         self._count(increments)
+        if self._first is not None:
+            self._first.see(increments)
         if self._bias is not None:
             increments = self._bias.corrected(increments, self._T)
         for part in trajectory(navigator, [increments] if len(increments) else []):
@@ -435,6 +451,8 @@ class NavigationRun:
             raise InputError(f"{plan.name}: no results to navigate with, give a longer log")
         if self._reference is not None:
             self._reference.finish()
+        if self._first is not None and self._first.warning is not None:
+            seen.warnings.append(self._first.warning)
         for key, (count, time) in seen.statuses.items():
             seen.warnings.append(
                 f"{plural(count, 'result')} {STATUSES[key][1]}, the first one ends at {time:.15g} s"

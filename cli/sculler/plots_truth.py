@@ -32,6 +32,12 @@ SCHULER_PERIOD = 84.4 * 60
 """s; of a pendulum as long as the Earth's radius."""
 
 
+def truth_picture_paths(output: Path) -> list[Path]:
+    """Where `truth_pictures` draws."""
+    names = ("errors", "growth", "track")
+    return [output.with_name(f"{output.stem}_{name}.png") for name in names]
+
+
 def truth_pictures(
     estimate: NavHistory, truth: NavHistory, errors: NavErrors, growth: float, output: Path
 ) -> list[Path]:
@@ -46,8 +52,9 @@ def truth_pictures(
         output: names the pictures.
     """
     told = known(truth)
-    names = ("errors", "growth", "track") if "position" in told else ("errors",)
-    paths = [output.with_name(f"{output.stem}_{name}.png") for name in names]
+    paths = truth_picture_paths(output)
+    if "position" not in told:
+        del paths[1:]
     _errors(paths[0], errors, told)
     if len(paths) > 1:
         _growth(paths[1], errors, growth)

@@ -20,6 +20,7 @@ from sculler_model.design import Design
 from sculler_model.fast import FastModel
 from sculler_model.golden import GoldenModel, Sample
 from sculler_model.instants import end_after_stamp
+from sculler_model.plausibility import Plausibility, told
 from sculler_model.vectors import STATUS_FAULT, STATUS_SHORT_HISTORY
 from sculler_sim.engine import simulate
 from sculler_sim.run import RESET
@@ -42,6 +43,7 @@ class Summary:
         left_out: samples in intervals that the log's end or a break cut short.
         elapsed: seconds of work.
         breaks: what the log's stamps and its counter showed.
+        implausible: counts that no sensor gives, in words.
         clocks: clocks simulated; None for the model.
     """
 
@@ -53,12 +55,13 @@ class Summary:
     left_out: int
     elapsed: float
     breaks: BreakFinder
+    implausible: list[str]
     clocks: int | None = None
 
     @property
     def warnings(self) -> list[str]:
         """What the user should know."""
-        return self.breaks.warnings()
+        return [*self.breaks.warnings(), *self.implausible]
 
     def as_json(self) -> dict[str, Any]:
         """As plain data."""
@@ -189,6 +192,7 @@ class _Source:
     def __init__(self, design: Design, log: str | Path, policy: Policy, advance: Advance) -> None:
         self._design, self._log, self._advance = design, log, advance
         self._breaks = BreakFinder(design, "stdin" if str(log) == "-" else str(log), policy)
+        self._plausibility = Plausibility(design)
         self._samples = self._left_out = 0
         self._phase = 0  # samples in the interval that is not complete
         self._ends: NDArray[np.float64] | None = None  # those whose results are still to come
@@ -206,6 +210,7 @@ class _Source:
                 self._ends = ends if self._ends is None else np.concatenate([self._ends, ends])
             self._phase = (self._phase + len(chunk.counts)) % span
             self._samples += len(chunk.counts)
+            self._plausibility(chunk.counts, chunk.times)
             yield chunk.counts, chunk.faults
 
     @property
@@ -224,8 +229,17 @@ class _Source:
     ) -> Summary:
         """What the run did, once all samples are through."""
         left_out = self._left_out + self._phase
+        found = self._plausibility.finish()
+        implausible = told(found, self._plausibility.counts, lambda sample: f"line {sample + 2}")
         return Summary(
-            self._design, self._samples, *counted, left_out, elapsed, self._breaks, clocks
+            self._design,
+            self._samples,
+            *counted,
+            left_out,
+            elapsed,
+            self._breaks,
+            implausible,
+            clocks,
         )
 
 

@@ -25,6 +25,7 @@ from sculler_model.families.balance import Sum
 from sculler_model.families.catalogue import BASES, FAMILIES, TABLES, Made, Match, Recipe, make
 from sculler_model.families.decimals import rational
 from sculler_model.families.options import Band, Filter, Mount, response, with_measured_points
+from sculler_model.inputs import read_small
 from sculler_model.presets import PRESETS
 from sculler_model.schema import Part
 from sculler_model.vectors import (
@@ -33,7 +34,7 @@ from sculler_model.vectors import (
     columns_of,
     components_of,
 )
-from sculler_model.wordlength import WordLengths, word_lengths
+from sculler_model.wordlength import MAX_BITS, WordLengths, word_lengths
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -61,14 +62,19 @@ class Axes(Part):
     """Word length and scale of three like sensor axes."""
 
     bits: Annotated[int, Field(ge=8, le=32, description="a whole number from 8 to 32")]
-    lsb: Annotated[float, Field(gt=0, description="a number > 0 (SI units per count)")]
+    lsb: Annotated[
+        float,
+        Field(ge=1e-30, le=1e6, description="a number from 1e-30 to 1e6 (SI units per count)"),
+    ]
 
 
 class Sensor(Part):
     """What the sensor delivers."""
 
     kind: Annotated[Literal["increment", "rate"], Field(description='"increment" or "rate"')]
-    sample_rate_hz: Annotated[float, Field(gt=0, le=1e9, description="a number > 0 and <= 1e9")]
+    sample_rate_hz: Annotated[
+        float, Field(ge=1e-6, le=1e9, description="a number from 1e-6 to 1e9")
+    ]
     gyro: Annotated[Axes, Field(description="a table with bits and lsb")]
     accel: Annotated[Axes, Field(description="a table with bits and lsb")]
 
@@ -277,6 +283,25 @@ def _table(sensor: Sensor, algorithm: Algorithm) -> TapTable:
     return make(_recipe(sensor, algorithm)).table
 
 
+def _require_narrow(table: TapTable, sensor: Sensor, algorithm: Algorithm) -> None:
+    """See that a core of this table can be built.
+
+    Raises:
+        InputError: its denominators or results are wider than `MAX_BITS`.
+    """
+    words = word_lengths(sensor.gyro.bits, sensor.accel.bits, algorithm.minors, table)
+    widths = {vector: getattr(words, vector).bits for vector in VECTORS}
+    widths["denominator"] = table.denominator.bit_length()
+    widths["sum_denominator"] = table.sum_denominator.bit_length()
+    widest = max(widths, key=lambda name: widths[name])
+    if widths[widest] > MAX_BITS:
+        raise InputError(
+            f"algorithm.table: {widest} would have {widths[widest]:,} bits, more than the"
+            f" {MAX_BITS} that a core can have; give smaller taps and weights (no published table"
+            " needs more than 395)"
+        )
+
+
 def _recipe(sensor: Sensor, algorithm: Algorithm) -> Recipe:
     """What a computed family is designed from.
 
@@ -336,6 +361,7 @@ class Design(Part):
         if sensor is None:
             return algorithm
         table = _table(sensor, algorithm)
+        _require_narrow(table, sensor, algorithm)
         if algorithm.position == "high-resolution":
             if sensor.kind != "increment":
                 raise InputError(
@@ -357,16 +383,15 @@ class Design(Part):
             InputError: the file cannot be read, is not TOML, or has faults; all are named.
         """
         path = Path(path)
+        text = read_small(path, "design file", "a design in TOML")
         try:
-            data = tomllib.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise InputError(
-                f"{path}: cannot read the design file ({error.strerror}), check the path"
-            ) from error
-        except UnicodeDecodeError as error:
-            raise InputError(f"{path}: not a text file in UTF-8, give a design in TOML") from error
+            data = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise InputError(f"{path}: not valid TOML: {error}") from error
+        except ValueError as error:  # Python's limit on the digits of a whole number
+            raise InputError(f"{path}: a number of too many digits, give fewer") from error
+        except RecursionError as error:
+            raise InputError(f"{path}: brackets too deep in each other, give a design") from error
         return cls.parse(data, where=str(path), folder=path.parent)
 
     @classmethod

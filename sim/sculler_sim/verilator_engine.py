@@ -28,6 +28,7 @@ from sculler_sim.stimulus import Levels, Stimulus
 from sculler_sim.verilator_build import build, limbs
 
 _CLOCKS = 1 << 15  # clocks in one call of the library
+_ROOM = 1 << 14  # bytes
 
 
 def stream(
@@ -94,6 +95,7 @@ class _Core:
         wave: Path | None,
     ) -> None:
         self._design = design
+        self._wave = wave
         self._stimulus = stimulus
         self._progress = progress
         self._timing = timing(design)
@@ -110,10 +112,10 @@ class _Core:
         self._levels_from = 0
         try:
             self._library = ctypes.CDLL(str(library))
-        except OSError as error:
+            self._library.sculler_create.restype = ctypes.c_void_p
+            self._library.sculler_run.restype = ctypes.c_int64
+        except (OSError, AttributeError) as error:  # damaged, or not what the build should make
             raise InputError(f"cannot load the simulator ({error}), delete {library}") from error
-        self._library.sculler_create.restype = ctypes.c_void_p
-        self._library.sculler_run.restype = ctypes.c_int64
         self._handle = ctypes.c_void_p(
             self._library.sculler_create(b"" if wave is None else os.fsencode(wave))
         )
@@ -124,7 +126,11 @@ class _Core:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._library.sculler_destroy(self._handle)
+        failed = self._library.sculler_destroy(self._handle)
+        if self._wave is not None and error[0] is None:
+            if failed:
+                raise OSError(failed, os.strerror(failed))
+            _require_room(self._wave)
 
     def run(self, counts: NDArray[np.int32], faults: NDArray[np.uint8]) -> Iterator[VectorBlock]:
         """Some clocks with these samples, or none to drain; the results taken in them."""
@@ -217,6 +223,22 @@ class _Core:
         for i in range(parts.shape[2] - 2, -1, -1):
             value = (value << 64) | parts[:, :, i].astype(object)
         return value
+
+
+def _require_room(wave: Path) -> None:
+    """See that there is room after a waveform: the writer of FST passes over a full disk.
+
+    Raises:
+        OSError: there is none.
+    """
+    size = wave.stat().st_size
+    with wave.open("r+b") as file:
+        try:
+            file.seek(size)
+            file.write(bytes(_ROOM))
+            file.flush()
+        finally:
+            os.truncate(wave, size)
 
 
 def _address(array: NDArray[Any] | None) -> ctypes.c_void_p:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -146,15 +147,27 @@ def test_waveform_that_cannot_be_written(
 
 
 def test_no_compiler(
-    tmp_path: Path, refused: Refused, design: Path, log: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path,
+    run: Run,
+    refused: Refused,
+    design: Path,
+    log: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     empty = tmp_path / "empty"
     empty.mkdir()
     monkeypatch.setenv("PATH", str(empty))
     monkeypatch.delenv("CXX", raising=False)
     monkeypatch.setenv("SCULLER_CACHE", str(tmp_path / "empty"))
-    assert "C++ compiler" in refused("simulate", design, log, "-o", tmp_path / "out.csv")
-    assert "C++ compiler" in refused("demo", "-o", tmp_path / "demo", "--seconds", 1)
+    words = ("simulate", design, log, "-o", tmp_path / "out.csv")
+    assert "C++ compiler" in refused(*words, "--engine", "verilator")
+    outcome = run(*words, "--json")  # whatever there is does the work, and it is said
+    said = json.loads(outcome.out)
+    assert (outcome.status, said["engine"], said["results"]) == (0, "amaranth", 4)
+    assert "C++ compiler" in said["warnings"][0]
+    monkeypatch.setenv("CXX", "no-such-compiler")
+    assert "no-such-compiler" in refused(*words)
+    assert "no-such-compiler" in refused("demo", "-o", tmp_path / "demo", "--seconds", 1)
 
 
 USAGE = {

@@ -131,7 +131,7 @@ the ellipsoid).
 @terminal.output_option
 @click.option(
     "--truth",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.OutputFile(),
     required=True,
     metavar="FILE",
     help="Where to write the truth.",
@@ -201,6 +201,7 @@ def command(
     **given: float | None,
 ) -> None:
     """Write the IMU log of a known motion, and its truth."""
+    from sculler.origin import write_origin
     from sculler_model.errors import InputError
     from sculler_model.motion import MOTIONS
 
@@ -238,6 +239,7 @@ def command(
             "lines": shaking.lines,
             "seed": seed,
         }
+    write_origin(output, {"design": design_name}, data)
     terminal.report(data, as_json, terminal.facts(_facts(data)))
 
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sculler import terminal
+from sculler import navigation_options, terminal
 
 if TYPE_CHECKING:
     from sculler.navigation_run import Given
     from sculler_model.blocks import VectorBlock
     from sculler_model.design import Design
-    from sculler_model.navigation import Alignment, FineAlignment, Mechanisation, NavState
+    from sculler_model.navigation import Alignment, FineAlignment, Gravity, Mechanisation, NavState
 
 _ANGLES = ("roll", "pitch", "heading")
 _VELOCITIES = ("vn", "ve", "vd")
@@ -32,7 +32,7 @@ _VELOCITIES = ("vn", "ve", "vd")
     ),
 )
 @terminal.design_argument
-@click.argument("vectors", metavar="VECTORS")
+@click.argument("vectors", metavar="VECTORS", type=terminal.InputFile())
 @terminal.output_option
 @click.option(
     "--lat",
@@ -133,7 +133,7 @@ _VELOCITIES = ("vn", "ve", "vd")
 )
 @click.option(
     "--truth",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.InputFile(Path),
     metavar="FILE",
     help="Hold the run against this truth (of `motion`, or an npz, MAT or Parquet file with such"
     " columns); what of the initial state is left out comes from it.",
@@ -141,13 +141,15 @@ _VELOCITIES = ("vn", "ve", "vd")
 @click.option(
     "--report",
     "page",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.OutputFile(),
     metavar="FILE.html",
     help="Write the run as one HTML page: figures, pictures, settings, design.",
 )
 @click.option(
     "--plots/--no-plots", default=True, show_default=True, help="Pictures beside the output."
 )
+@navigation_options.gravity_option
+@navigation_options.noise_options
 @terminal.json_option
 def command(
     design_name: str,
@@ -169,6 +171,11 @@ def command(
     truth: Path | None,
     page: Path | None,
     plots: bool,
+    gravity: str,
+    gyro_noise: float | None,
+    accel_noise: float | None,
+    gyro_bias_sigma: float | None,
+    accel_bias_sigma: float | None,
     as_json: bool,
     **initial: float | None,
 ) -> None:
@@ -209,6 +216,15 @@ def command(
             raise click.UsageError("--start and --align contradict each other, give one")
     if fine and align_seconds is None:
         raise click.UsageError("--fine refines --align, give that too")
+    known = {
+        "gyro_noise": gyro_noise,
+        "accel_noise": accel_noise,
+        "gyro_bias_sigma": gyro_bias_sigma,
+        "accel_bias_sigma": accel_bias_sigma,
+    }
+    navigation_options.refuse_noise_without(align_seconds, known)
+    noise = navigation_options.sensor_noise(**known)
+    model = navigation_options.gravity_model(gravity)
     if begin is not None and stop is not None and not stop > begin:
         raise click.UsageError(f"--stop {stop:g} is not after --start {begin:g}, give a later time")
     if truth is None:
@@ -217,10 +233,8 @@ def command(
                 raise click.UsageError(
                     f"Missing option '--{name}' (or --truth, which says where the run begins)"
                 )
-    if plots:
-        from sculler.plots import require_matplotlib
-
-        require_matplotlib()
+    no_pictures = _claim_pictures(output, truth) if plots else None
+    plots = plots and no_pictures is None
 
     def carrier(start: NavState, reference_height: float) -> Mechanisation:
         return _mechanisation(
@@ -230,6 +244,7 @@ def command(
             position_every,
             height_damping,
             reference_height,
+            model,
         )
 
     plan = Plan(
@@ -244,6 +259,8 @@ def command(
         fine=fine,
         third_order=third_order,
         split=breaks == "split",
+        gravity=model,
+        noise=noise,
     )
     reference = None if truth is None else AgainstTruth(truth, design.major_interval)
     shown = Thinned()
@@ -267,7 +284,11 @@ def command(
         data[key] = seen.statuses.get(key, (0, 0.0))[0]
     data["short_history_results_left_out"] = seen.left_out
     data["breaks"] = seen.breaks
+    data["gravity"] = str(model)
     data["warnings"] = seen.warnings
+    if no_pictures is not None:
+        data["no_pictures"] = no_pictures
+        data["warnings"].append(no_pictures)
     fine_position = design.high_resolution and mechanisation == "wander"
     data["position_algorithm"] = "high-resolution" if fine_position else "trapezoidal"
     if seen.fine is not None:
@@ -285,7 +306,10 @@ def command(
         data["plots"] = [str(path) for path in pictures]
     if page is not None:
         data["report"] = str(page)
-        _write_report(page, design, data, _settings(click.get_current_context()))
+        files = {"vectors": vectors, "design": design_name}
+        files |= {} if truth is None else {"truth": str(truth)}
+        files |= {} if model.table is None else {"gravity table": gravity}
+        _write_report(page, design, data, files)
     errors = () if reference is None else ("", table(data["errors"]))
     terminal.report(data, as_json, terminal.facts(_facts(data)), *errors)
 
@@ -295,6 +319,20 @@ def _advancing(blocks: Iterable[VectorBlock], advance: terminal.Advance) -> Iter
     for block in blocks:
         yield block
         advance(len(block))
+
+
+def _claim_pictures(output: Path, truth: Path | None) -> str | None:
+    """Set the pictures' files aside; or why there will be none, in a line."""
+    from sculler.plots import left_out, navigation_picture_paths
+    from sculler.plots_truth import truth_picture_paths
+    from sculler_model import inputs
+
+    reason = left_out()
+    if reason is None:
+        beside = truth_picture_paths(output) if truth is not None else []
+        for path in [*navigation_picture_paths(output), *beside]:
+            inputs.claim(path)
+    return reason
 
 
 def _rows(vectors: str) -> int | None:
@@ -309,27 +347,16 @@ def _rows(vectors: str) -> int | None:
         return None
 
 
-def _write_report(
-    page: Path, design: Design, data: dict[str, Any], settings: dict[str, Any]
-) -> None:
+def _write_report(page: Path, design: Design, data: dict[str, Any], files: dict[str, str]) -> None:
     """The run as one page."""
+    from sculler.origin import chain, settings
     from sculler.report import write_report
 
     pictures = [Path(path) for path in data.get("plots", [])]
     errors, warnings = data.get("errors"), data["warnings"]
-    write_report(page, design, _facts(data), errors, pictures, settings, warnings)
-
-
-def _settings(context: click.Context) -> dict[str, Any]:
-    """What the command line said, in its own names, and the defaults that came to be used."""
-    settings = {}
-    for parameter in context.command.params:
-        assert parameter.name is not None
-        value = context.params[parameter.name]
-        if value not in (None, False):
-            option = isinstance(parameter, click.Option)
-            settings[parameter.opts[-1] if option else parameter.human_readable_name] = value
-    return settings
+    said = settings(click.get_current_context())
+    steps = [step for kind, path in files.items() for step in chain(kind, path)]
+    write_report(page, design, _facts(data), errors, pictures, said, warnings, steps)
 
 
 def _given(
@@ -353,6 +380,7 @@ def _mechanisation(
     position_every: int,
     damping: float | None,
     reference_height: float,
+    gravity: Gravity,
 ) -> Mechanisation:
     """What carries the state, as the options choose it."""
     from sculler_model.navigation import GeographicNavigator, HeightDamping, Navigator
@@ -363,16 +391,21 @@ def _mechanisation(
                 "--position-every and --height-damping are for the wander azimuth, leave them out"
                 " or give --mechanisation wander"
             )
-        return GeographicNavigator(start, interval)
+        return GeographicNavigator(start, interval, gravity)
     loop = None if damping is None else HeightDamping(reference_height, damping)
-    return Navigator(start, interval, position_every=position_every, height_damping=loop)
+    return Navigator(
+        start,
+        interval,
+        position_every=position_every,
+        height_damping=loop,
+        gravity=gravity,
+    )
 
 
 def _fine_facts(found: FineAlignment) -> dict[str, Any]:
     """What the fine stage adds to the alignment's data."""
-    north, east, heading = map(degrees, found.sigma)
-    return {
-        "heading_sigma_deg": heading,
+    north, east, _ = map(degrees, found.sigma)
+    return navigation_options.sigma_facts(found, found.coarse.noise) | {
         "level_sigma_deg": hypot(north, east),
         "gyro_bias_deg_per_h": [degrees(rate) * 3600 for rate in found.gyro_bias],
         "surprise": found.surprise,
@@ -428,8 +461,8 @@ def _summary(
             "specific_force": alignment.specific_force,
             "gravity": alignment.gravity,
             "implied_latitude_deg": degrees(alignment.latitude),
-            "heading_sigma_deg": degrees(alignment.heading_sigma),
             "warnings": list(alignment.warnings),
+            **navigation_options.sigma_facts(alignment, alignment.noise),
         }
     return data
 
@@ -448,14 +481,14 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
         found = data["alignment"]
         rows["alignment"] = (
             f"{found['seconds']:g} s at rest: rate {found['rate_deg_per_h']:.3f} °/h, implied"
-            f" latitude {found['implied_latitude_deg']:.3f}°, heading scatter"
-            f" {found['heading_sigma_deg']:.3f}°"
+            f" latitude {found['implied_latitude_deg']:.3f}°;"
+            f" {navigation_options.sigmas_told(found)}"
         )
         if "level_sigma_deg" in found:
             bias = ", ".join(f"{rate:+.4f}" for rate in found["gyro_bias_deg_per_h"])
             rows["fine alignment"] = (
-                f"level to {found['level_sigma_deg']:.2g}°, heading to"
-                f" {found['heading_sigma_deg']:.2g}° (1 σ), gyro biases {bias} °/h in the body"
+                f"level to {found['level_sigma_deg']:.2g}°, gyro biases {bias} °/h in the body,"
+                f" {navigation_options.biases_told(found)}"
             )
     for number, warning in enumerate(data["warnings"], start=1):
         rows[f"warning {number}"] = warning
@@ -483,6 +516,7 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
         " end",
         "heading change": f"{_four_places(data['heading_change_deg'])}°,"
         f" {_four_places(data['heading_change_deg_per_h'])} °/h",
+        "gravity": data["gravity"],
         "position": _POSITION[data["position_algorithm"]],
         "wrote": data["output"],
         **(against_truth.facts(data["errors"]) if "errors" in data else {}),

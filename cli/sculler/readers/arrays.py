@@ -34,7 +34,7 @@ from sculler.readers import (
     Samples,
     Unit,
 )
-from sculler.readers.columns import recognise
+from sculler.readers.columns import headed, recognise
 from sculler.readers.delimited import fault_flags
 from sculler_model.errors import InputError
 
@@ -142,7 +142,14 @@ def npz_arrays(path: Path) -> dict[str, NDArray[Any]]:
         raise InputError(
             f"{path}: cannot read the log ({error.strerror or error}), check the path"
         ) from error
-    except (ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
+    except (  # RuntimeError: encrypted, or (its child) compressed in a way nobody knows
+        ValueError,
+        EOFError,
+        KeyError,
+        RuntimeError,
+        zipfile.BadZipFile,
+        zlib.error,
+    ) as error:
         raise InputError(f"{path}: not a whole .npz file ({error}), write it again") from error
 
 
@@ -224,6 +231,7 @@ def read_parquet(
         columns = COUNTS if known is None else known.columns
         if known is not None:
             gyro, accel = gyro or GYRO_UNITS["rad/s"], accel or ACCEL_UNITS["m/s2"]
+    columns = [headed(column, names) for column in columns]
     for unit, sensor in ((gyro, "gyro"), (accel, "accel")):
         if unit is None:
             raise InputError(f"{path}: the unit of {sensor} is not given, give --{sensor}-unit")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from sculler.readers import Advance
 from sculler_model.errors import InputError
+from sculler_sim.files import open_lines
 
 _CHUNK_ROWS = 1 << 14
 
@@ -40,7 +41,7 @@ def open_text(path: Path) -> Iterator[TextIO]:
         InputError: it cannot be opened, or (within the context) proves to be no such text.
     """
     try:
-        with path.open(encoding="utf-8-sig") as file:
+        with open_lines(path, encoding="utf-8-sig") as file:
             yield file
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not a text file in UTF-8, check --format") from error

@@ -9,7 +9,8 @@ from math import cos, isfinite, pi, sin
 
 from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.earth import earth_rate, gravity, gravity_lean, transport_rate
+from sculler_model.navigation.earth import earth_rate, transport_rate
+from sculler_model.navigation.gravity import NORMAL, Gravity, covers, pull, refuse_outside
 from sculler_model.navigation.rotation import (
     Vector,
     cross,
@@ -40,13 +41,16 @@ class GeographicNavigator:
     Args:
         state: at the start of the first interval.
         interval: length of a major interval, s.
+        gravity: the model to navigate by.
 
     Raises:
-        InputError: the state is not one to navigate from (see `check_state`), or at a pole.
+        InputError: the state is not one to navigate from (see `check_state`), at a pole, or
+            outside a gravity table.
     """
 
-    def __init__(self, state: NavState, interval: float) -> None:
+    def __init__(self, state: NavState, interval: float, gravity: Gravity = NORMAL) -> None:
         check_state(state)
+        refuse_outside(gravity, state.time, state.lat, state.h)
         if not abs(state.lat) < pi / 2:
             raise InputError(
                 "initial state: at a pole there is no north to point to, use the wander azimuth"
@@ -55,6 +59,7 @@ class GeographicNavigator:
             raise InputError(f"interval: {interval} s is not allowed, give a number > 0")
         # the time counts from `_start` on, by intervals
         self._start, self._since, self._interval = state.time, 0, interval
+        self._gravity = gravity
         self._state = self._past = state._replace(wander=0.0)
 
     @property
@@ -73,8 +78,8 @@ class GeographicNavigator:
             The state at the interval's end.
 
         Raises:
-            InputError: an argument is not three finite numbers, or the track has reached a pole,
-                where north and longitude end.
+            InputError: an argument is not three finite numbers; the track has reached a pole,
+                where north and longitude end; the height has run away, or the gravity table ends.
         """
         time = self._start + (self._since + 1) * self._interval
         state = self._update(three_numbers("phi", phi), three_numbers("dv_sf", dv_sf), time)
@@ -102,11 +107,8 @@ class GeographicNavigator:
         dv = plus(plus(dv, once, -0.5), cross(zeta, once), 1 / 12)
         coriolis = cross((2 * ie_n + en_n, 2 * ie_e + en_e, 2 * ie_d + en_d), v_mid)
         north, east, down = plus(plus(old.v, dv, 1.0), coriolis, -T)
-        v: Vector = (
-            north + T * cos_mid * gravity_lean(sin_mid, h_mid),
-            east,
-            down + T * gravity(sin_mid, h_mid),
-        )
+        lean, pulled = pull(self._gravity, sin_mid, h_mid)
+        v: Vector = (north + T * cos_mid * lean, east, down + T * pulled)
 
         # position: trapezoid, the curvature taken at its middle
         v_mean: Vector = (0.5 * (old.v[0] + v[0]), 0.5 * (old.v[1] + v[1]), 0.5 * (old.v[2] + v[2]))
@@ -130,6 +132,8 @@ class GeographicNavigator:
         q = product(old.q, from_rotation_vector(phi))
         q = normalised(product(from_rotation_vector(minus_zeta), q))
 
+        if not covers(self._gravity, lat, h):
+            refuse_outside(self._gravity, time, lat, h)
         self._past, self._state = old, NavState(time, q, v, lat, wrapped(lon), h)
         return self._state
 

@@ -18,6 +18,7 @@ from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.compiled import compiled_run
 from sculler_model.navigation.earth import GRAVITY_EQUATOR, SEMI_MAJOR_AXIS
+from sculler_model.navigation.gravity import NORMAL, Gravity, covers, refuse_outside
 from sculler_model.navigation.rotation import Vector, to_dcm
 from sculler_model.navigation.state import (
     MAX_HEIGHT,
@@ -122,10 +123,11 @@ class Navigator:
         position_every: j: position, gravity, Earth rate and curvature are worked out every j-th
             interval and extrapolated in between (Savage-98 Eq. 9, 19).
         height_damping: a loop that holds the height; none if left out.
+        gravity: the model to navigate by.
 
     Raises:
-        InputError: the state is not one to navigate from (see `check_state`), or an argument is
-            out of its range.
+        InputError: the state is not one to navigate from (see `check_state`), is outside a gravity
+            table, or an argument is out of its range.
     """
 
     def __init__(
@@ -135,8 +137,10 @@ class Navigator:
         *,
         position_every: int = 1,
         height_damping: HeightDamping | None = None,
+        gravity: Gravity = NORMAL,
     ) -> None:
         check_state(state)
+        refuse_outside(gravity, state.time, state.lat, state.h)
         if not (isfinite(interval) and interval > 0):
             raise InputError(f"interval: {interval} s is not allowed, give a number > 0")
         if position_every < 1 or position_every != int(position_every):
@@ -149,13 +153,13 @@ class Navigator:
                 f" intervals of {interval:g} s, give at least {10 * interval:g} s"
             )
         damping = height_damping.gains if height_damping else (0.0, 0.0, 0.0, 0.0)
-        self._plain = Settings(interval, int(position_every), False, damping)
+        self._plain = Settings(interval, int(position_every), False, damping, gravity)
         self._high_resolution = self._plain._replace(high_resolution=True)
         self._updates = 0
         # the time counts from `_start` on, by intervals, or in `_told` it says itself
         self._start, self._since = state.time, 0
         self._told: Array | None = None
-        self._level = level(state.q, state.v, state.lat, state.lon, state.h, state.wander)
+        self._level = level(state.q, state.v, state.lat, state.lon, state.h, state.wander, gravity)
         self._state: NavState | None = state
 
     @property
@@ -194,7 +198,8 @@ class Navigator:
             The state at the interval's end.
 
         Raises:
-            InputError: an argument is not three finite numbers, or the height has run away.
+            InputError: an argument is not three finite numbers, the height has run away, or the
+                gravity table ends.
         """
         turn, dv = three_numbers("phi", phi), three_numbers("dv_sf", dv_sf)
         dr = None if dr_sf is None else three_numbers("dr_sf", dr_sf)
@@ -210,8 +215,8 @@ class Navigator:
         self._updates += 1
         self._since += 1
         self._state = None
-        if not MIN_HEIGHT <= self.state.h <= MAX_HEIGHT:
-            raise self._run_away(self.state.h)
+        if not covers(self._plain.gravity, self.state.lat, self.state.h):
+            self._left_gravity()
         return self.state
 
     def run(self, increments: MajorIncrements, *, compiled: bool | None = None) -> NavHistory:
@@ -228,7 +233,8 @@ class Navigator:
 
         Raises:
             InputError: an interval is of short history, an increment is not finite or missing, the
-                height has run away, or `compiled` is asked for without Numba.
+                height has run away, the gravity table ends, or `compiled` is asked for without
+                Numba.
         """
         increments.require_whole("navigation")
         vectors = (increments.phi, increments.dv_sf, increments.dr_sf)
@@ -264,7 +270,7 @@ class Navigator:
         self._since += carried
         self._state = None
         if done < len(phi):
-            raise self._run_away(self.state.h)
+            self._left_gravity()
         return NavHistory.from_table(times, table)
 
     @property
@@ -292,11 +298,9 @@ class Navigator:
             f"after {self.state.time:.3f} s: an increment is not finite, mend the vectors"
         )
 
-    def _run_away(self, h: float) -> InputError:
-        return InputError(
-            f"time {self.state.time:.3f} s: the height has run away to {h:.4g} m, as a free"
-            " vertical channel does, damp it or navigate for a shorter time"
-        )
+    def _left_gravity(self) -> None:
+        """Say where the track left what the model of gravity holds for."""
+        refuse_outside(self._plain.gravity, self.state.time, self.state.lat, self.state.h)
 
 
 def _first(vectors: Array) -> Vector:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MIN_HEIGHT, MAX_HEIGHT = -10e3, 1000e3
-"""Heights (m) for which the gravity formula is meant."""
+"""Heights (m) to navigate in; normal gravity is right at all of them."""
 
 
 class NavState(NamedTuple):
