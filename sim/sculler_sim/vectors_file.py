@@ -116,7 +116,7 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
 
 
 def read_vectors(
-    path: str | Path, design: Design | None = None, chunk: int = 1 << 14, missing: bool = False
+    path: str | Path, design: Design | None = None, chunk: int = 1 << 14, *, missing: bool = False
 ) -> Iterator[VectorBlock]:
     """Read a vectors CSV in blocks of at most `chunk` rows.
 
