@@ -15,7 +15,7 @@ from sculler_model.blocks import VectorBlock, component_dtype
 from sculler_model.design import Design
 from sculler_model.fast import FastModel
 from sculler_model.golden import GoldenModel, Sample
-from sculler_model.vectors import STATUS_FAULT, STATUS_SHORT_HISTORY
+from sculler_model.vectors import STATUS_FAULT, STATUS_LOST, STATUS_RAIL, STATUS_SHORT_HISTORY
 from sculler_sim.engine import simulate
 from sculler_sim.stimulus import Stimulus
 from sculler_sim.vectors_file import VectorsWriter
@@ -32,7 +32,7 @@ class Summary:
         design: the design.
         samples: samples taken.
         results: rows written, one for each complete major interval.
-        short_history, faults: how many of them carry status bit 0, bit 1.
+        short_history, faults, rails, losses: how many of them carry status bit 0, 1, 2, 3.
         elapsed: seconds of work.
         clocks: clocks simulated; None for the model.
     """
@@ -42,6 +42,8 @@ class Summary:
     results: int
     short_history: int
     faults: int
+    rails: int
+    losses: int
     elapsed: float
     clocks: int | None = None
 
@@ -60,6 +62,8 @@ class Summary:
             "leftover_samples": self.leftover,
             "short_history_results": self.short_history,
             "fault_results": self.faults,
+            "rail_results": self.rails,
+            "loss_results": self.losses,
             "elapsed_s": self.elapsed,
             "samples_per_s": self.samples / self.elapsed,
         }
@@ -84,6 +88,10 @@ class Summary:
             )
         if self.faults:
             rows["status bit 1"] = f"{plural(self.faults, 'result')} with faulty samples"
+        if self.rails:
+            rows["status bit 2"] = f"{plural(self.rails, 'result')} with counts at their rails"
+        if self.losses:
+            rows["status bit 3"] = f"{plural(self.losses, 'result')} with samples lost"
         if self.clocks is not None:
             rows["clocks"] = f"{self.clocks:,}"
         rows["speed"] = f"{self.samples / self.elapsed:,.3g} samples/s, {self.elapsed:.2f} s in all"
@@ -150,16 +158,20 @@ def simulate_log(
     return Summary(design, run.progress.samples, *counted, elapsed, run.progress.clocks)
 
 
-def _write(design: Design, blocks: Iterable[VectorBlock], output: Path) -> tuple[int, int, int]:
-    """Write the vectors; results in all, with short history, with faults."""
-    results = short = faults = 0
+def _write(
+    design: Design, blocks: Iterable[VectorBlock], output: Path
+) -> tuple[int, int, int, int, int]:
+    """Write the vectors; results in all, and those with each of the status bits 0 to 3."""
+    results = 0
+    marked = dict.fromkeys((STATUS_SHORT_HISTORY, STATUS_FAULT, STATUS_RAIL, STATUS_LOST), 0)
     with VectorsWriter(output, design.columns) as writer:
         for block in blocks:
             writer.write(block)
             results += len(block)
-            short += int(((block.status & STATUS_SHORT_HISTORY) != 0).sum())
-            faults += int(((block.status & STATUS_FAULT) != 0).sum())
-    return results, short, faults
+            for bit in marked:
+                marked[bit] += int(((block.status & bit) != 0).sum())
+    short, faults, rails, losses = marked.values()
+    return results, short, faults, rails, losses
 
 
 def _reference(design: Design) -> Callable[..., VectorBlock]:

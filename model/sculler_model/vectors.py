@@ -54,6 +54,17 @@ or high-resolution position, which uses the sample before the interval."""
 STATUS_FAULT = 2
 """Status bit 1: a sample of this interval carried `fault`."""
 
+STATUS_RAIL = 4
+"""Status bit 2: a count of this interval stood at its rail, the most negative or the most positive
+value of its width, so what the sensor felt may have been more."""
+
+STATUS_LOST = 8
+"""Status bit 3: a sample was offered and not taken since the last result's last sample was taken,
+so this interval is longer than its samples say."""
+
+STATUS_BITS = 4
+"""Width of the status."""
+
 
 class Result(NamedTuple):
     """One major interval's result: exact integer numerators (DESIGN section 3).

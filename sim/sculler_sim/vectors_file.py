@@ -23,6 +23,7 @@ def _header(columns: Sequence[str]) -> str:
 
 
 _CELL = re.compile(r"-?[0-9]+")
+_HIGHEST_STATUS = 15
 _COLUMNS = {_header(columns): columns for columns in (COLUMNS, HIGH_RESOLUTION_COLUMNS)}
 """The columns that a header stands for."""
 
@@ -106,8 +107,10 @@ def read_vectors(
                     f"{path}: line {number}: major is {row[0]} where {major + 1} should follow,"
                     " rows are missing or out of order"
                 )
-            if not 0 <= row[1] <= 3:
-                raise InputError(f"{path}: line {number}: status is {row[1]}, must be 0 to 3")
+            if not 0 <= row[1] <= _HIGHEST_STATUS:
+                raise InputError(
+                    f"{path}: line {number}: status is {row[1]}, must be 0 to {_HIGHEST_STATUS}"
+                )
             major = row[0]
         if design is not None:
             _check_widths(path, numbered[0][0], rows, design)

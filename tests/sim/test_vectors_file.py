@@ -123,7 +123,7 @@ def row(major=0, status=0, first="5"):
         (f"{HEADER}\n{row(1)}\n", "line 2: major is 1 where 0 should follow"),
         (f"{HEADER}\n{row()}\n{row(2)}\n", "line 3: major is 2 where 1 should follow"),
         (f"{HEADER}\n{row()}\n{row(-1)}\n", "line 3: major is -1 where 1 should follow"),
-        (f"{HEADER}\n{row(status=4)}\n", "line 2: status is 4, must be 0 to 3"),
+        (f"{HEADER}\n{row(status=16)}\n", "line 2: status is 16, must be 0 to 15"),
         (f"{HEADER}\n{row(first='٣')}\n", "not a text file"),
         ("\x00\x01\x02\n", "line 1: the header"),
     ],
