@@ -18,6 +18,7 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 
 _HEAD_BYTES = 1 << 18
+_SHORT = 4  # modulus
 
 
 @dataclass(frozen=True)
@@ -178,12 +179,13 @@ class _Counter:
         assert self._modulus is not None
         given = int(ticks[0])
         begin = given if self._first is None else self._first
-        begin, given = self._last or (begin, given)
+        begin, given = self._last or (begin - round(self._usual), given - round(self._usual))
         before = np.concatenate([[given], ticks[:-1]])
         steps = ticks - before
         which = np.searchsorted(self._modulus, before, side="right")
         modulus = np.array(self._modulus)[which.clip(max=len(self._modulus) - 1)]
-        steps += np.where(steps < 0, modulus, 0)
+        # of a counter of two bits no step is a whole round, of a longer one a repeated sample
+        steps += np.where((steps < 0) | (steps == 0) & (modulus <= _SHORT), modulus, 0)
         # an interval for this sample, and one for each that the bytes passed over have room for
         expected = self._usual * (1 + part.passed_over / part.length)
         rounds = np.rint((expected - steps) / modulus).clip(0).astype(np.int64)

@@ -92,6 +92,8 @@ class Stim300(RawProtocol):
             identifiers, [name for name, bits in _CONTENTS.items() if bits & _ACCEL]
         )
         rows = np.flatnonzero(has_accel)
+        if not len(rows):
+            return Decoded(rows, np.empty((0, 6)), rows, np.empty(0, np.uint8))
         self.recorded += int((identifiers == _RECORDED).sum()) if length == _RECORDED_BYTES else 0
         samples = frames[rows]
         values = np.hstack([numbers(samples[:, at : at + 9], ">i3") for at in (1, 11)])
