@@ -7,7 +7,7 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -114,6 +114,23 @@ def output_option(command: Command) -> Command:
     return click.option(
         "-o", "--output", type=OutputFile(), required=True, metavar="FILE", help="Where to write."
     )(command)
+
+
+def breaks_option(command: Command) -> Command:
+    """`--breaks`: what to do where samples are missing."""
+    return click.option(
+        "--breaks",
+        type=click.Choice(["refuse", "split"]),
+        default="refuse",
+        show_default=True,
+        help="Where the log's time_s or sequence shows missing samples: refuse; or begin anew,"
+        " major from 0 and no history.",
+    )(command)
+
+
+def warning_rows(warnings: Sequence[str]) -> dict[str, str]:
+    """Warnings as rows of `facts`."""
+    return {f"warning {at}": told for at, told in enumerate(warnings, start=1)}
 
 
 def load_design(name: str) -> Design:

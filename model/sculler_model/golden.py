@@ -21,6 +21,7 @@ from sculler_model.vectors import (
     cross,
     plus,
     times,
+    whole_numbers,
 )
 from sculler_model.wordlength import WordLengths
 
@@ -86,12 +87,14 @@ class GoldenModel:
         """Take the sample of time t.
 
         Args:
-            gyro, accel: integer counts within the design's widths (signed).
+            gyro, accel: integer counts within the design's widths (signed), of any integer type.
             fault: 1 marks the interval's status.
 
         Raises:
-            InputError: a count does not fit the sensor's width.
+            InputError: a count is no whole number, or does not fit the sensor's width.
         """
+        gyro = whole_numbers(f"sample {self.t}: gyro", gyro)
+        accel = whole_numbers(f"sample {self.t}: accel", accel)
         table = self.design.table
         check_widths(self.design.words, self.t, (*gyro, *accel))
         self.s.append(gyro)

@@ -23,7 +23,7 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
 from sculler_sim.files import replacing
-from sculler_sim.run import CheckedChunk, PortTrace, Progress, wrong_last
+from sculler_sim.run import RESET, CheckedChunk, PortTrace, Progress, wrong_last
 from sculler_sim.stimulus import Levels, Stimulus
 from sculler_sim.verilator_build import build, limbs
 
@@ -33,7 +33,7 @@ _ROOM = 1 << 14  # bytes
 
 def stream(
     design: Design,
-    chunks: Iterator[CheckedChunk],
+    chunks: Iterator[CheckedChunk | None],
     stimulus: Stimulus,
     progress: Progress,
     wave: Path | None,
@@ -43,7 +43,13 @@ def stream(
         library = build(design, wave)
         target = None if wave is None else stack.enter_context(replacing(wave))
         core = stack.enter_context(_Core(design, library, stimulus, progress, target))
-        for counts, faults in chunks:
+        for chunk in chunks:
+            if chunk is RESET:
+                while not progress.drained(design):
+                    yield from core.run(_NO_COUNTS, _NO_FAULTS)
+                core.reset()
+                continue
+            counts, faults = chunk
             first, last = progress.samples, progress.samples + len(counts)
             while progress.samples < last:
                 done = progress.samples - first
@@ -57,10 +63,10 @@ _NO_FAULTS = np.zeros(0, np.uint8)
 
 
 def trace(
-    design: Design, chunks: Iterator[CheckedChunk], stimulus: Stimulus, clocks: int
+    design: Design, chunks: Iterator[CheckedChunk | None], stimulus: Stimulus, clocks: int
 ) -> PortTrace:
     """Every output port on each of the first clocks (see `sculler_sim.engine.trace`)."""
-    counts, faults = next(chunks, (_NO_COUNTS, _NO_FAULTS))
+    counts, faults = next(chunks, None) or (_NO_COUNTS, _NO_FAULTS)
     with _Core(design, build(design), stimulus, Progress(), None) as core:
         return core.trace(counts, faults, clocks)
 
@@ -98,6 +104,8 @@ class _Core:
         self._row = (
             words_per_result(design) if self._stream else 2 + (self._columns - 2) * limbs(design)
         )
+        # numbers that the result ports show in a clock
+        self._shown = len(result_ports(design)) if self._stream else self._row
         self._capacity = _CLOCKS // design.samples_per_major + 2
         self._rows = np.empty((self._capacity, self._row), np.uint64)
         self._levels = stimulus.levels(0, _CLOCKS)
@@ -127,7 +135,7 @@ class _Core:
     def run(self, counts: NDArray[np.int32], faults: NDArray[np.uint8]) -> Iterator[VectorBlock]:
         """Some clocks with these samples, or none to drain; the results taken in them."""
         progress = self._progress
-        if progress.clocks == self._levels_from + _CLOCKS:
+        if progress.clocks >= self._levels_from + _CLOCKS:
             self._levels_from = progress.clocks
             self._levels = self._stimulus.levels(progress.clocks, _CLOCKS)
         clock = progress.clocks - self._levels_from
@@ -137,12 +145,19 @@ class _Core:
         if progress.results > before:
             yield self._block(self._rows[: progress.results - before])
 
+    def reset(self) -> None:
+        """One clock of reset; no sample is offered and no result taken in it."""
+        low, high = np.zeros(1, np.uint8), np.ones(1, np.uint8)
+        levels = _Levels.at(Levels(low, low, high), 0)
+        handshakes, shown = np.empty((1, 2), np.uint8), np.empty((1, self._shown), np.uint64)
+        self._call(_NO_COUNTS, _NO_FAULTS, levels, 1, handshakes, shown)
+
     def trace(self, counts: NDArray[np.int32], faults: NDArray[np.uint8], clocks: int) -> PortTrace:
         """All ports on exactly so many clocks."""
         levels = self._stimulus.levels(0, clocks)
         handshakes = np.empty((clocks, 2), np.uint8)
         ports = result_ports(self._design)
-        shown = np.empty((clocks, len(ports) if self._stream else self._row), np.uint64)
+        shown = np.empty((clocks, self._shown), np.uint64)
         self._call(counts, faults, _Levels.at(levels, 0), clocks, handshakes, shown)
         result = np.empty((clocks, len(ports)), object)
         result[:, :2] = shown[:, :2]

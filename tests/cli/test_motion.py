@@ -36,7 +36,7 @@ def written(run: Run, folder: Path, *words: object) -> tuple[np.ndarray, NavHist
     assert (outcome.status, outcome.err) == (0, ""), outcome
     said = json.loads(outcome.out)
     assert (said["output"], said["truth"]) == (str(log), str(truth))
-    counts = np.concatenate([c for c, _ in read_log(log, Design.preset("stim300"))])
+    counts = np.concatenate([c for c, *_ in read_log(log, Design.preset("stim300"))])
     return counts, NavHistory.concatenate(list(read_truth(truth))), said
 
 

@@ -348,12 +348,17 @@ class TestOneFault:
         )
 
     @pytest.mark.parametrize(
-        "name", ["module", "reg", "endcase", "clk", "rst", "logic", "Wire", "lambda", "None"]
+        ("name", "what"),
+        [
+            ("module", "a reserved word of SystemVerilog"),
+            ("lambda", "a reserved word of Python"),
+            ("MULT18X18D", "the name of a block of ECP5 devices"),
+            ("clk", "the name of a port"),
+        ],
     )
-    def test_name_that_is_taken(self, name: str) -> None:
-        assert refusal(changed(("name", name))) == (
-            f"name: {name!r} is a reserved word, give another name"
-        )
+    def test_name_that_is_taken(self, name: str, what: str) -> None:
+        """In one line; `test_names` has them all."""
+        assert refusal(changed(("name", name))) == f"name: {name!r} is {what}, give another name"
 
     @pytest.mark.parametrize(
         ("kind", "family", "needed"),

@@ -10,6 +10,7 @@ import click
 from sculler import terminal
 
 if TYPE_CHECKING:
+    from sculler.breaks import Policy
     from sculler.runs import SimulationEngine
 
 
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Write a waveform: .vcd, or with Verilator also .fst.",
 )
+@terminal.breaks_option
 @terminal.json_option
 def command(
     design_name: str,
@@ -50,6 +52,7 @@ def command(
     engine: Literal["auto"] | SimulationEngine,
     stall: int | None,
     wave: Path | None,
+    breaks: Policy,
     as_json: bool,
 ) -> None:
     """Run the IMU log LOG (CSV of counts, - for stdin) through the register-transfer level.
@@ -57,11 +60,12 @@ def command(
     Writes the vectors that the core hands over, for `sculler compare` with those of `sculler
     model`.
     """
+    from sculler.origin import write_origin
     from sculler.runs import simulate_log
     from sculler_sim.stimulus import Stimulus
 
     design = terminal.load_design(design_name)
-    warnings = []
+    warnings: list[str] = []
     if engine == "auto":
         no_verilator = terminal.why_no_verilator()
         engine = "verilator" if no_verilator is None else "amaranth"
@@ -71,18 +75,13 @@ def command(
     longest = max(256, 4 * design.samples_per_major)
     stimulus = Stimulus.always() if stall is None else Stimulus.stalls(stall, longest)
     with terminal.progress("simulating", terminal.file_size(log)) as advance:
-        summary = simulate_log(design, log, output, engine, stimulus, wave, advance)
+        summary = simulate_log(design, log, output, engine, stimulus, wave, advance, breaks)
     waveform = None if wave is None else str(wave)
-    data = {
-        "engine": engine,
-        "log": log,
-        "output": str(output),
-        "stall": stall,
-        "wave": waveform,
-        "warnings": warnings,
-    }
-    rows = {f"warning {number}": line for number, line in enumerate(warnings, start=1)}
-    rows |= summary.facts() | {"wrote": str(output)}
+    data = {"engine": engine, "log": log, "output": str(output), "stall": stall, "wave": waveform}
+    warnings += summary.warnings
+    rows = summary.facts() | terminal.warning_rows(warnings) | {"wrote": str(output)}
     if waveform is not None:
         rows["waveform"] = waveform
-    terminal.report(data | summary.as_json(), as_json, terminal.facts(rows))
+    data |= summary.as_json() | {"warnings": warnings}
+    write_origin(output, {"log": log, "design": design_name}, data)
+    terminal.report(data, as_json, terminal.facts(rows))

@@ -34,7 +34,7 @@ from sculler.readers import (
     Samples,
     Unit,
 )
-from sculler.readers.columns import recognise
+from sculler.readers.columns import headed, recognise
 from sculler.readers.delimited import fault_flags
 from sculler_model.errors import InputError
 
@@ -231,6 +231,7 @@ def read_parquet(
         columns = COUNTS if known is None else known.columns
         if known is not None:
             gyro, accel = gyro or GYRO_UNITS["rad/s"], accel or ACCEL_UNITS["m/s2"]
+    columns = [headed(column, names) for column in columns]
     for unit, sensor in ((gyro, "gyro"), (accel, "accel")):
         if unit is None:
             raise InputError(f"{path}: the unit of {sensor} is not given, give --{sensor}-unit")

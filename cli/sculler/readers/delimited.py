@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from sculler.logs import COUNTS, FAULT
 from sculler.readers import Advance, Clock, Recording, Samples, Unit
-from sculler.readers.columns import recognise, stamp_unit
+from sculler.readers.columns import headed, recognise, stamp_unit
 from sculler.readers.text import Column, Rows, number_rows, open_text
 from sculler_model.errors import InputError
 
@@ -136,6 +136,7 @@ class _Header:
                 " --format csv with the columns"
             )
         names: Sequence[str] = layout.columns or (COUNTS if known is None else known.columns)
+        names = [headed(name, cells) for name in names]
         time: Sequence[str] = () if known is None else known.time
         if layout.time is not None:
             time = (layout.time,)
