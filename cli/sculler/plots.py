@@ -43,6 +43,15 @@ _STYLE: dict[Any, Any] = {
 }
 
 
+def left_out() -> str | None:
+    """Why a verb that also draws leaves its pictures out, in a line; None if it can draw."""
+    try:
+        require_matplotlib()
+    except InputError:
+        return "no pictures: matplotlib is not installed, run: pip install 'sculler[plots]'"
+    return None
+
+
 def require_matplotlib() -> None:
     """Ask for matplotlib before any work is done.
 
@@ -52,9 +61,7 @@ def require_matplotlib() -> None:
     try:
         import matplotlib  # noqa: F401
     except ImportError as error:
-        raise InputError(
-            "pictures need matplotlib, run: pip install 'sculler[plots]' (or give --no-plots)"
-        ) from error
+        raise InputError("pictures need matplotlib, run: pip install 'sculler[plots]'") from error
 
 
 @contextmanager
@@ -117,6 +124,11 @@ def from_above(history: NavHistory, origin: NavHistory) -> tuple[Array, Array]:
     return along * stretch, across * stretch
 
 
+def navigation_picture_paths(output: Path) -> list[Path]:
+    """Where `navigation_pictures` draws."""
+    return [output.with_suffix(".png")]
+
+
 def navigation_pictures(
     history: NavHistory, output: Path, sigma: Sequence[float] | None = None
 ) -> list[Path]:
@@ -127,7 +139,7 @@ def navigation_pictures(
         output: names the picture.
         sigma: of roll, pitch and heading after the alignment, degrees; None where it is not known.
     """
-    path = output.with_suffix(".png")
+    (path,) = navigation_picture_paths(output)
     north, east = from_above(history, history)
     scale, unit = time_scale(history.time)
     t = history.time / scale

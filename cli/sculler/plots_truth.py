@@ -34,6 +34,12 @@ SCHULER_PERIOD = 84.4 * 60
 """s; of a pendulum as long as the Earth's radius."""
 
 
+def truth_picture_paths(output: Path) -> list[Path]:
+    """Where `truth_pictures` draws."""
+    names = ("errors", "growth", "track")
+    return [output.with_name(f"{output.stem}_{name}.png") for name in names]
+
+
 def truth_pictures(
     estimate: NavHistory,
     truth: NavHistory,
@@ -55,8 +61,9 @@ def truth_pictures(
             is not known.
     """
     told = known(truth)
-    names = ("errors", "growth", "track") if "position" in told else ("errors",)
-    paths = [output.with_name(f"{output.stem}_{name}.png") for name in names]
+    paths = truth_picture_paths(output)
+    if "position" not in told:
+        del paths[1:]
     _errors(paths[0], errors, told, sigma)
     if len(paths) > 1:
         _growth(paths[1], errors, growth)

@@ -27,9 +27,11 @@ from numpy.typing import NDArray
 from sculler.readers.arrays import npz_arrays, parquet_columns, parquet_names
 from sculler.readers.mat import mat_columns
 from sculler_model.errors import InputError
+from sculler_model.inputs import require_file
 from sculler_model.navigation import NavHistory
 from sculler_model.navigation.rotation import from_euler
 from sculler_model.navigation.state import MAX_HEIGHT, MIN_HEIGHT
+from sculler_sim.files import open_lines
 
 Array = NDArray[np.float64]
 
@@ -44,8 +46,10 @@ RANGES = {
     "lat_deg": (-90.0, 90.0),
     "lon_deg": (-360.0, 360.0),
     "height_m": (MIN_HEIGHT, MAX_HEIGHT),
+    **dict.fromkeys(("v_north", "v_east", "v_down"), (-100000.0, 100000.0)),
+    **dict.fromkeys(QUATERNION, (-2.0, 2.0)),
 }
-"""What is on or near the Earth."""
+"""What is on or near the Earth, at speeds that stay there."""
 
 BLOCK = 20_000
 """Rows read at a time."""
@@ -73,6 +77,7 @@ def read_truth(
         InputError: the file cannot be read or has a fault; names file, line and column.
     """
     path = Path(path)
+    require_file(path, "truth")
     try:
         with path.open("rb") as binary:
             begins = binary.read(8)
@@ -80,7 +85,7 @@ def read_truth(
         if tables is not None:
             yield from _states(*_of_arrays(path, tables), advance, passed_over)
             return
-        with path.open(encoding="utf-8-sig", newline="") as file:
+        with open_lines(path, encoding="utf-8-sig", newline="") as file:
             yield from _states(*_of_text(file, str(path)), advance, passed_over)
     except OSError as error:
         raise InputError(
@@ -292,7 +297,8 @@ class _Layout:
                 f"time {time[row]:.9g} s does not come after {earlier[row]:.9g} s, put the rows in"
                 " order of time",
             )
-        for name, (low, high) in RANGES.items() if self.position else ():
+        for name in filter(RANGES.__contains__, self.columns):
+            low, high = RANGES[name]
             cells = table[:, self.columns.index(name)]
             row, _ = _where(((cells < low) | (cells > high))[:, None])
             if row is not None:

@@ -32,7 +32,7 @@ _VELOCITIES = ("vn", "ve", "vd")
     ),
 )
 @terminal.design_argument
-@click.argument("vectors", metavar="VECTORS")
+@click.argument("vectors", metavar="VECTORS", type=terminal.InputFile())
 @terminal.output_option
 @click.option(
     "--lat",
@@ -133,7 +133,7 @@ _VELOCITIES = ("vn", "ve", "vd")
 )
 @click.option(
     "--truth",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.InputFile(Path),
     metavar="FILE",
     help="Hold the run against this truth (of `motion`, or an npz, MAT or Parquet file with such"
     " columns); what of the initial state is left out comes from it.",
@@ -141,7 +141,7 @@ _VELOCITIES = ("vn", "ve", "vd")
 @click.option(
     "--report",
     "page",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.OutputFile(),
     metavar="FILE.html",
     help="Write the run as one HTML page: figures, pictures, settings, design.",
 )
@@ -233,10 +233,8 @@ def command(
                 raise click.UsageError(
                     f"Missing option '--{name}' (or --truth, which says where the run begins)"
                 )
-    if plots:
-        from sculler.plots import require_matplotlib
-
-        require_matplotlib()
+    no_pictures = _claim_pictures(output, truth) if plots else None
+    plots = plots and no_pictures is None
 
     def carrier(start: NavState, reference_height: float) -> Mechanisation:
         return _mechanisation(
@@ -288,6 +286,9 @@ def command(
     data["breaks"] = seen.breaks
     data["gravity"] = str(model)
     data["warnings"] = seen.warnings
+    if no_pictures is not None:
+        data["no_pictures"] = no_pictures
+        data["warnings"].append(no_pictures)
     fine_position = design.high_resolution and mechanisation == "wander"
     data["position_algorithm"] = "high-resolution" if fine_position else "trapezoidal"
     if seen.fine is not None:
@@ -321,6 +322,20 @@ def _advancing(blocks: Iterable[VectorBlock], advance: terminal.Advance) -> Iter
     for block in blocks:
         yield block
         advance(len(block))
+
+
+def _claim_pictures(output: Path, truth: Path | None) -> str | None:
+    """Set the pictures' files aside; or why there will be none, in a line."""
+    from sculler.plots import left_out, navigation_picture_paths
+    from sculler.plots_truth import truth_picture_paths
+    from sculler_model import inputs
+
+    reason = left_out()
+    if reason is None:
+        beside = truth_picture_paths(output) if truth is not None else []
+        for path in [*navigation_picture_paths(output), *beside]:
+            inputs.claim(path)
+    return reason
 
 
 def _rows(vectors: str) -> int | None:
