@@ -487,7 +487,7 @@ def test_adis16495(convert: Convert) -> None:
     parts = [raw.adis16495(large[k], sample(k)[1], 65_530 + k) for k in range(COUNTS)]
     del parts[9]
     options = ("--gyro-unit", "counts", "--accel-unit", "counts", "--gaps", "ignore")
-    said, counts, _times, _ = convert(b"".join(parts), 1e-12, 1e-9, 2000.0, *options)
+    said, counts, _, _ = convert(b"".join(parts), 1e-12, 1e-9, 2000.0, *options)
     assert said["format"] == "adis16495"
     kept = [k for k in range(COUNTS) if k != 9]
     assert counts == [[*large[k], *sample(k)[1]] for k in kept]

@@ -160,7 +160,8 @@ class _Header:
         self.columns = found[: len(columns)]
         self.stamps = found[len(columns) : len(columns) + len(time)]
         self.faults = found[len(columns) + len(time) :]
-        rows = [] if named or not _are_numbers(cells, self.columns) else [line]
+        plain = header_cells(line.partition(COMMENT)[0], self.delimiter)
+        rows = [] if named or not _are_numbers(plain, self.columns) else [line]
         self.lines = number - len(rows)
         rows += [text for text in islice(file, _HEAD_ROWS) if is_content(text)]
         table = [header_cells(row.partition(COMMENT)[0], self.delimiter) for row in rows]
@@ -224,7 +225,8 @@ def _places(
 def _are_numbers(cells: Sequence[str], columns: Sequence[Column]) -> bool:
     """Whether the columns' cells of a line are numbers, so that the line is no header."""
     return all(
-        _is_number(cells[column.place]) or _COMMA.fullmatch(cells[column.place])
+        column.place < len(cells)
+        and (_is_number(cells[column.place]) or _COMMA.fullmatch(cells[column.place]) is not None)
         for column in columns
     )
 

@@ -136,19 +136,22 @@ def number_rows(
         if decimal == ",":
             _require_no_point(lines, path, line, (*columns, *whole), delimiter)
             lines = [text.replace(",", ".") for text in lines]
-        if any(is_content(text) for text in lines):
+        rows_of = lines
+        if any(COMMENT in text for text in lines):
+            rows_of = [text for text in lines if is_content(text)]
+        if any(not text.isspace() for text in rows_of):
             rounded = None
             try:
-                table = _table(lines, kinds, delimiter, places)
+                table = _table(rows_of, kinds, delimiter, places)
             except (ValueError, OverflowError) as error:
-                mended, rounded = _with_whole(lines, whole, delimiter)
+                mended, rounded = _with_whole(rows_of, whole, delimiter)
                 if rounded is None:
                     _explain(lines, path, line, columns, whole, delimiter)
                     raise InputError(f"{path}: from line {line} on: {error}") from error
                 try:
                     table = _table(mended, kinds, delimiter, places)
                 except (ValueError, OverflowError) as other:
-                    _explain(mended, path, line, columns, whole, delimiter)
+                    _explain(lines, path, line, columns, whole, delimiter)
                     raise InputError(f"{path}: from line {line} on: {other}") from other
             if not np.isfinite(table["values"]).all():
                 _explain(lines, path, line, columns, whole, delimiter)
