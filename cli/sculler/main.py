@@ -103,13 +103,13 @@ def run_command(command: click.Command, arguments: Sequence[str] | None, name: s
 
 def _os_error(error: OSError) -> str:
     """An error of the system in a line: of a file, or of our own output."""
-    where = "a file" if error.filename is None else error.filename
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    # files that we write are named where they are full (`files.replacing`)
+    where = error.filename or ("standard output" if full else "a file")
     try:
         sys.stdout.flush()
-    except OSError as its_own:
-        error, where = its_own, "standard output"
+    except OSError:
         _forget_stdout()
-    full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
     cure = "free some space" if full else "check the path and its permissions"
     return f"{where}: {error.strerror or error}; {cure}"
 
@@ -141,5 +141,5 @@ def _complain(message: str, status: int = BAD_INPUT) -> int:
     if len(line) > _LONGEST:
         line = f"{line[: _LONGEST // 2]} ... {line[-_LONGEST // 2 :]}"
     with suppress(OSError, ValueError):  # nobody hears it
-        click.echo(f"sculler: {line}", err=True)
+        print(f"sculler: {line}", file=sys.stderr, flush=True)
     return status

@@ -81,7 +81,8 @@ def write_report(
         "</head>\n<body>\n" + "\n".join(parts) + "\n</body>\n</html>\n"
     )
     with replacing(path) as temporary:
-        temporary.write_text(page, encoding="utf-8")
+        # a file's name may hold bytes that are no text
+        temporary.write_text(page, encoding="utf-8", errors="backslashreplace")
 
 
 def _facts(rows: Mapping[str, str]) -> str:

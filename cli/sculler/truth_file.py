@@ -297,7 +297,8 @@ class _Layout:
                 f"time {time[row]:.9g} s does not come after {earlier[row]:.9g} s, put the rows in"
                 " order of time",
             )
-        for name, (low, high) in RANGES.items() if self.position else ():
+        for name in filter(RANGES.__contains__, self.columns):
+            low, high = RANGES[name]
             cells = table[:, self.columns.index(name)]
             row, _ = _where(((cells < low) | (cells > high))[:, None])
             if row is not None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import difflib
 import hashlib
 import json
-import keyword
 import re
 import sys
 from functools import cached_property
@@ -19,6 +18,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, Field, ValidationError, ValidationInfo, field_validator
 from pydantic_core import ErrorDetails
 
+from sculler_model import names
 from sculler_model.coefficients import MAX_SAMPLES, TapTable
 from sculler_model.errors import InputError
 from sculler_model.families.balance import Sum
@@ -40,22 +40,6 @@ if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
-
-# Words a Verilog module may not be called, beside Python's own (which would surprise a test bench).
-_VERILOG_WORDS = frozenset(
-    "always and assign automatic begin buf bufif0 bufif1 case casex casez cell cmos config deassign"
-    " default defparam design disable edge else end endcase endconfig endfunction endgenerate"
-    " endmodule endprimitive endspecify endtable endtask event for force forever fork function"
-    " generate genvar highz0 highz1 if ifnone incdir include initial inout input instance integer"
-    " join large liblist library localparam macromodule medium module nand negedge nmos nor"
-    " noshowcancelled not notif0 notif1 or output parameter pmos posedge primitive pull0 pull1"
-    " pulldown pullup pulsestyle_ondetect pulsestyle_onevent rcmos real realtime reg release repeat"
-    " rnmos rpmos rtran rtranif0 rtranif1 scalared showcancelled signed small specify specparam"
-    " strong0 strong1 supply0 supply1 table task time tran tranif0 tranif1 tri tri0 tri1 triand"
-    " trior trireg unsigned use vectored wait wand weak0 weak1 while wire wor xnor xor clk rst"
-    # SystemVerilog's most likely clashes: Verilator reads the file as SystemVerilog
-    " bit byte int logic bool string class interface package program property sequence".split()
-)
 
 
 class Axes(Part):
@@ -234,6 +218,9 @@ class Hardware(Part):
         sample as follow from it, and without it one.  The compact core uses 1 (default) or 0.
     handover: "parallel" shows a whole result at once, "stream" word by word (`stream`); the
         compact core streams, the pipelined core does what is asked, by default "parallel".
+    overrun: what gives way when results are not taken in time.  "drop-sample", which is the
+        default: the sensor is made to wait, and a sample that cannot is lost, which status bit 3
+        tells; "drop-result": the oldest result that waits, which `results_dropped` tells.
     """
 
     core: Annotated[
@@ -250,6 +237,16 @@ class Hardware(Part):
         Literal["parallel", "stream"] | None,
         Field(description='"parallel" or "stream"', validate_default=True),
     ] = None
+
+    overrun: Annotated[
+        Literal["drop-sample", "drop-result"] | None,
+        Field(description='"drop-sample" or "drop-result"'),
+    ] = None
+
+    @field_validator("overrun")
+    @classmethod
+    def _the_usual_is_left_unsaid(cls, value: str | None) -> str | None:
+        return None if value == "drop-sample" else value
 
     @field_validator("multipliers")
     @classmethod
@@ -346,12 +343,9 @@ class Design(Part):
     @field_validator("name")
     @classmethod
     def _name_is_usable(cls, name: str) -> str:
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", name) or "__" in name:
-            raise ValueError(
-                f"{name!r} is not allowed, give a letter, then up to 63 letters, digits or single _"
-            )
-        if name.lower() in _VERILOG_WORDS or keyword.iskeyword(name):
-            raise ValueError(f"{name!r} is a reserved word, give another name")
+        said = names.fault(name)
+        if said is not None:
+            raise ValueError(f"{name!r} {said}")
         return name
 
     @field_validator("algorithm")
@@ -459,6 +453,11 @@ class Design(Part):
             self.table,
             self.high_resolution,
         )
+
+    @property
+    def drops_results(self) -> bool:
+        """Whether the core drops a result that waits rather than make samples wait for it."""
+        return self.hardware.overrun == "drop-result"
 
     @property
     def high_resolution(self) -> bool:

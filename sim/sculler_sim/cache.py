@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from sculler_model.errors import InputError
-from sculler_sim.files import make_folder, named, sweep
+from sculler_sim.files import make_folder, named, replacing, sweep
 
 
 def folder() -> Path:
@@ -61,6 +61,16 @@ def kept(path: Path) -> dict[str, Any] | None:
     except (OSError, ValueError):
         return None
     return found if isinstance(found, dict) else None
+
+
+def keep(path: Path, found: dict[str, Any]) -> None:
+    """Write an entry that is a JSON object.
+
+    Raises:
+        InputError: the cache folder cannot be written to, or is full.
+    """
+    with replacing(path, _ANOTHER) as temporary:
+        temporary.write_text(json.dumps(found), encoding="utf-8")
 
 
 def entry(name: str, suffix: str, *made_of: str | bytes) -> Path:

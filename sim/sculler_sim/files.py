@@ -27,12 +27,16 @@ _FULL = {errno.ENOSPC, errno.EDQUOT}
 
 
 @contextmanager
-def replacing(path: str | Path) -> Iterator[Path]:
+def replacing(path: str | Path, cure: str = "give another place") -> Iterator[Path]:
     """Write a file under a temporary name beside it; it takes its own name when all went well.
 
     The temporary name keeps the suffix, by which some libraries choose their format.  If the body
     raises, the temporary file is removed and whatever stood under `path` stays as it was.  A path
     that is there and not a regular file (a pipe, /dev/stdout) is written directly.
+
+    Args:
+        path: the file.
+        cure: what to do where there is no room, beside making some.
 
     Raises:
         InputError: the folder is absent or cannot be written to, `path` is a folder or an input of
@@ -43,7 +47,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
         raise InputError(f"{path}: is a folder, give the name of a file")
     inputs.refuse(path)
     if path.exists() and not path.is_file():
-        with named(path):
+        with named(path, cure):
             yield path
         return
     target = path.resolve()  # through a symbolic link, which stays one
@@ -53,7 +57,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
         sweep(
             target.parent, rf"\.{re.escape(target.stem)}\.[0-9a-f]{{8}}{re.escape(target.suffix)}"
         )
-        with named(path):
+        with named(path, cure):
             yield temporary
             temporary.replace(target)
     finally:

@@ -22,7 +22,6 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
 from sculler_sim import cache, processes
-from sculler_sim.files import replacing
 
 _VERILATOR_FLAGS = (
     "--cc -O3 --x-assign fast --x-initial unique --no-assert --no-timing --make json"
@@ -184,8 +183,7 @@ def emitted(design: Design) -> dict[str, str]:
     if files is None:
         generated = generate(design)
         files = {design.name: generated.verilog, **generated.cells}
-        with replacing(path) as temporary:
-            temporary.write_text(json.dumps(files), encoding="utf-8")
+        cache.keep(path, files)
     return {f"{name}.v": text for name, text in files.items()}
 
 
@@ -203,6 +201,8 @@ def _harness(design: Design, wave: _Wave | None) -> str:
             f"#define SCULLER_RESULTS(X) {_each(component_ports(design))}",
             f"#define SCULLER_LIMBS {limbs(design)}",
         ]
+    if design.drops_results:
+        lines += ["#define SCULLER_DROPS", f"#define SCULLER_MAJOR {words_per_column(design)}"]
     code = resources.files("sculler_sim").joinpath("harness.cpp").read_text(encoding="utf-8")
     return "\n".join([*lines, code])
 

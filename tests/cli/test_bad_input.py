@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -249,27 +247,6 @@ def test_a_reader_that_goes_away_is_no_fault(design: Path) -> None:
     os.close(write)
     assert done.stderr == ""
     assert done.returncode == 141
-
-
-def test_interrupt_leaves_nothing(tmp_path: Path, design: Path) -> None:
-    """Ctrl-C while reading an endless log."""
-    out = tmp_path / "out.csv"
-    command = [sys.executable, "-m", "sculler", "model", str(design), "-", "-o", str(out)]
-    process = subprocess.Popen(
-        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
-    assert process.stdin is not None
-    process.stdin.write(f"{HEADER}\n".encode() + b"1,2,3,4,5,6\n" * 100)
-    process.stdin.flush()
-    deadline = time.monotonic() + 20
-    while len(list(tmp_path.iterdir())) < 2 and time.monotonic() < deadline:
-        time.sleep(0.02)
-    assert len(list(tmp_path.iterdir())) == 2, "the temporary file never came"
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=20)
-    assert process.returncode == 130
-    assert b"Traceback" not in err
-    assert [path.name for path in tmp_path.iterdir()] == ["little.toml"]
 
 
 def test_tools_are_here() -> None:

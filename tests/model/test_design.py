@@ -348,12 +348,17 @@ class TestOneFault:
         )
 
     @pytest.mark.parametrize(
-        "name", ["module", "reg", "endcase", "clk", "rst", "logic", "Wire", "lambda", "None"]
+        ("name", "what"),
+        [
+            ("module", "a reserved word of SystemVerilog"),
+            ("lambda", "a reserved word of Python"),
+            ("MULT18X18D", "the name of a block of ECP5 devices"),
+            ("clk", "the name of a port"),
+        ],
     )
-    def test_name_that_is_taken(self, name: str) -> None:
-        assert refusal(changed(("name", name))) == (
-            f"name: {name!r} is a reserved word, give another name"
-        )
+    def test_name_that_is_taken(self, name: str, what: str) -> None:
+        """In one line; `test_names` has them all."""
+        assert refusal(changed(("name", name))) == f"name: {name!r} is {what}, give another name"
 
     @pytest.mark.parametrize(
         ("kind", "family", "needed"),
@@ -569,6 +574,7 @@ class TestHardware:
             ({"core": "compact", "handover": "parallel"}, "handover: not possible with core"),
             ({"handover": "serial"}, "handover: 'serial' is not allowed"),
             ({"target": "ecp6"}, "target: 'ecp6' is not allowed"),
+            ({"overrun": "drop"}, "overrun: 'drop' is not allowed, give \"drop-sample\" or"),
         ],
     )
     def test_what_is_refused(self, keys: dict[str, object], fault: str) -> None:
@@ -584,11 +590,21 @@ class TestHardware:
             {"target": "ecp5"},
             {"multipliers": 28},
             {"handover": "stream"},
+            {"overrun": "drop-result"},
         ]
         designs = [Design.parse({"preset": "stim300", "hardware": each}) for each in keys]
         assert len({design.digest for design in designs}) == len(designs)
         for design in designs:
             assert Design.parse(design.as_json()) == design
+
+    def test_the_usual_overrun_is_no_other_design(self) -> None:
+        usual = Design.parse({"preset": "stim300"})
+        said = Design.parse({"preset": "stim300", "hardware": {"overrun": "drop-sample"}})
+        assert said == usual
+        assert said.digest == usual.digest
+        assert not said.drops_results
+        drops = Design.parse({"preset": "stim300", "hardware": {"overrun": "drop-result"}})
+        assert drops.drops_results
 
 
 class TestHighResolutionPosition:

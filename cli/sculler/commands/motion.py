@@ -214,8 +214,6 @@ def command(
     samples = round(seconds * design.sensor.sample_rate_hz)
     if samples < 1:
         raise InputError(f"--duration: {seconds:g} s are shorter than a sample, give more")
-    if output.resolve() == truth.resolve():
-        raise InputError(f"{output}: log and truth cannot be one file, give two names")
     every = design.major_interval if truth_every is None else truth_every
 
     full_scale, truth_rows = _write(design, motion, samples, output, truth, every)
@@ -306,14 +304,13 @@ def _write(
     rows = max(floor((end - begin) / every + 1e-9) + 1, 1)
     with (
         terminal.progress(f"writing {motion.name}", samples + rows) as advance,
-        replacing(truth) as temporary_truth,
         replacing(output) as temporary,
     ):
         with LogWriter(temporary) as log:
             for chunk in motion.chunks(design.sensor.kind, samples, design.sample_interval):
                 log.write(quantise(chunk))
                 advance(len(chunk))
-        with HistoryWriter(temporary_truth) as states:
+        with replacing(truth) as temporary_truth, HistoryWriter(temporary_truth) as states:
             for first in range(0, rows, CHUNK):
                 number = np.arange(first, min(first + CHUNK, rows), dtype=np.float64)
                 states.write(motion.state(begin + number * every))

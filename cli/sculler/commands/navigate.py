@@ -298,11 +298,14 @@ def command(
     if plots:
         from sculler.plots import navigation_pictures
 
-        pictures = navigation_pictures(shown.history(), output)
+        found = seen.fine or seen.alignment
+        euler = None if found is None else [degrees(sigma) for sigma in found.euler_sigma]
+        pictures = navigation_pictures(shown.history(), output, euler)
         if reference is not None and data["errors"]["instants"] > 1:
             from sculler.plots_truth import truth_pictures
 
-            pictures += truth_pictures(*reference.shown(), reference.growth, output)
+            sigma = None if found is None else found.sigma
+            pictures += truth_pictures(*reference.shown(), reference.growth, output, sigma)
         data["plots"] = [str(path) for path in pictures]
     if page is not None:
         data["report"] = str(page)

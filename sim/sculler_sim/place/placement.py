@@ -19,7 +19,6 @@ from sculler_hdl.verilog import Generated, generate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_sim import cache, processes
-from sculler_sim.files import replacing
 from sculler_sim.place import nextpnr
 from sculler_sim.place.blocks import Limit, limits
 from sculler_sim.place.devices import DEVICES, FAMILY_NAMES, Device, Family
@@ -263,10 +262,8 @@ class Placer:
         path = cache.entry(f"place-{self.design.name}", ".json", *made_of, *source)
         data = cache.kept(path)
         if data is None:
-            found = json.dumps(find())
-            with replacing(path) as temporary:
-                temporary.write_text(found, encoding="utf-8")
-            data = json.loads(found)
+            data = find()
+            cache.keep(path, data)
         return data
 
 
