@@ -44,12 +44,14 @@ def run_bench(design: Design, folder: Path, least: Least = LEAST) -> tuple[int, 
     done = shell(bench_of(design, folder, least)["icarus"], folder)
     assert done.stderr == ""
     counts = re.fullmatch(
-        r"PASS: (\d+) results of (\d+) samples in \d+ clocks, samples stalled in (\d+)\n",
+        r"PASS: (\d+) results of (\d+) samples in \d+ clocks, samples stalled in (\d+),"
+        r" (\d+) lost\n",
         done.stdout,
     )
     assert counts, done.stdout
     assert done.returncode == 0
-    results, samples, stalled = map(int, counts.groups())
+    results, samples, stalled, lost = map(int, counts.groups())
     assert results >= 3
     assert stalled > 0
+    assert lost > 0
     return results, samples, stalled

@@ -224,7 +224,8 @@ def _words(shift: Shift, interval: float) -> str:
     """A shift of the stamps in words."""
     to = shift.time + shift.seconds
     if shift.missing > 0:
-        return f"time_s goes from {shift.time:.15g} to {to:.15g} where the interval is {interval:.6g} s"
+        steps = f"from {shift.time:.15g} to {to:.15g}"
+        return f"time_s goes {steps} where the interval is {interval:.6g} s"
     if shift.seconds < 0:
         return f"time_s goes back from {shift.time:.15g} to {to:.15g}"
     many = f"{-shift.missing:,} sample{'s' if shift.missing < -1 else ''} too many for the time"

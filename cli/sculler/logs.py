@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from sculler.plain_rows import Rows, parse
 from sculler_model.design import Design
 from sculler_model.errors import InputError
+from sculler_sim.files import open_blocks
 
 COUNTS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 FAULT, TIME, SEQUENCE = "fault", "time_s", "sequence"
@@ -79,7 +80,7 @@ def read_log(
         if str(path) == "-":
             yield from _chunks(sys.stdin.buffer, _Layout(name, design), advance)
         else:
-            with Path(path).open("rb") as file:
+            with open_blocks(path) as file:
                 chunks = _chunks(file, _Layout(name, design), advance)
                 # a pipe may wait for ever, and a thread that waits cannot be stopped
                 yield from _ahead(chunks) if Path(path).is_file() else chunks

@@ -19,7 +19,9 @@ from sculler_model.blocks import VectorBlock, component_dtype
 from sculler_model.design import Design
 from sculler_model.fast import FastModel
 from sculler_model.golden import GoldenModel, Sample
-from sculler_model.vectors import STATUS_FAULT, STATUS_SHORT_HISTORY
+from sculler_model.instants import end_after_stamp
+from sculler_model.plausibility import Plausibility, told
+from sculler_model.vectors import STATUS_FAULT, STATUS_LOST, STATUS_RAIL, STATUS_SHORT_HISTORY
 from sculler_sim.engine import simulate
 from sculler_sim.run import RESET
 from sculler_sim.stimulus import Stimulus
@@ -37,10 +39,11 @@ class Summary:
         design: the design.
         samples: samples taken.
         results: rows written, one for each complete major interval.
-        short_history, faults: how many of them carry status bit 0, bit 1.
+        short_history, faults, rails, losses: how many of them carry status bit 0, 1, 2, 3.
         left_out: samples in intervals that the log's end or a break cut short.
         elapsed: seconds of work.
         breaks: what the log's stamps and its counter showed.
+        implausible: counts that no sensor gives, in words.
         clocks: clocks simulated; None for the model.
     """
 
@@ -49,15 +52,18 @@ class Summary:
     results: int
     short_history: int
     faults: int
+    rails: int
+    losses: int
     left_out: int
     elapsed: float
     breaks: BreakFinder
+    implausible: list[str]
     clocks: int | None = None
 
     @property
     def warnings(self) -> list[str]:
         """What the user should know."""
-        return self.breaks.warnings()
+        return [*self.breaks.warnings(), *self.implausible]
 
     def as_json(self) -> dict[str, Any]:
         """As plain data."""
@@ -69,6 +75,8 @@ class Summary:
             "leftover_samples": self.left_out,
             "short_history_results": self.short_history,
             "fault_results": self.faults,
+            "rail_results": self.rails,
+            "loss_results": self.losses,
             "elapsed_s": self.elapsed,
             "samples_per_s": self.samples / self.elapsed,
         }
@@ -99,6 +107,10 @@ class Summary:
             )
         if self.faults:
             rows["status bit 1"] = f"{plural(self.faults, 'result')} with faulty samples"
+        if self.rails:
+            rows["status bit 2"] = f"{plural(self.rails, 'result')} with counts at their rails"
+        if self.losses:
+            rows["status bit 3"] = f"{plural(self.losses, 'result')} with samples lost"
         if self.clocks is not None:
             rows["clocks"] = f"{self.clocks:,}"
         for bits, times in self.breaks.wraps.items():
@@ -178,7 +190,7 @@ def simulate_log(
 class _Source:
     """A log's samples for a core, `RESET` at its breaks; and what becomes of them.
 
-    It knows the stamps at which major intervals end.  Results come in order, however late: each
+    It knows the instants at which major intervals end.  Results come in order, however late: each
     takes the next end.
 
     Attributes:
@@ -188,6 +200,7 @@ class _Source:
     def __init__(self, design: Design, log: str | Path, policy: Policy, advance: Advance) -> None:
         self._design, self._log, self._advance = design, log, advance
         self._breaks = BreakFinder(design, "stdin" if str(log) == "-" else str(log), policy)
+        self._plausibility = Plausibility(design)
         self._samples = self._left_out = 0
         self._phase = 0  # samples in the interval that is not complete
         self._ends: NDArray[np.float64] | None = None  # those whose results are still to come
@@ -201,10 +214,11 @@ class _Source:
                 yield RESET
                 continue
             if chunk.times is not None:
-                ends = chunk.times[span - 1 - self._phase :: span]
+                ends = chunk.times[span - 1 - self._phase :: span] + end_after_stamp(self._design)
                 self._ends = ends if self._ends is None else np.concatenate([self._ends, ends])
             self._phase = (self._phase + len(chunk.counts)) % span
             self._samples += len(chunk.counts)
+            self._plausibility(chunk.counts, chunk.times)
             yield chunk.counts, chunk.faults
 
     @property
@@ -219,30 +233,41 @@ class _Source:
         return replace(block, times=times)
 
     def summary(
-        self, counted: tuple[int, int, int], elapsed: float, clocks: int | None = None
+        self, counted: tuple[int, int, int, int, int], elapsed: float, clocks: int | None = None
     ) -> Summary:
         """What the run did, once all samples are through."""
         left_out = self._left_out + self._phase
+        found = self._plausibility.finish()
+        implausible = told(found, self._plausibility.counts, lambda sample: f"line {sample + 2}")
         return Summary(
-            self._design, self._samples, *counted, left_out, elapsed, self._breaks, clocks
+            self._design,
+            self._samples,
+            *counted,
+            left_out,
+            elapsed,
+            self._breaks,
+            implausible,
+            clocks,
         )
 
 
 def _write(
     design: Design, blocks: Iterable[VectorBlock], output: Path, times: bool | None = None
-) -> tuple[int, int, int]:
-    """Write the vectors; results in all, with short history, with faults.
+) -> tuple[int, int, int, int, int]:
+    """Write the vectors; results in all, and those with each of the status bits 0 to 3.
 
     Whether there are times, the blocks tell where `times` does not.
     """
-    results = short = faults = 0
+    results = 0
+    marked = dict.fromkeys((STATUS_SHORT_HISTORY, STATUS_FAULT, STATUS_RAIL, STATUS_LOST), 0)
     with VectorsWriter(output, design.columns, times) as writer:
         for block in blocks:
             writer.write(block)
             results += len(block)
-            short += int(((block.status & STATUS_SHORT_HISTORY) != 0).sum())
-            faults += int(((block.status & STATUS_FAULT) != 0).sum())
-    return results, short, faults
+            for bit in marked:
+                marked[bit] += int(((block.status & bit) != 0).sum())
+    short, faults, rails, losses = marked.values()
+    return results, short, faults, rails, losses
 
 
 class _Reference:

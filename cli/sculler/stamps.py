@@ -14,7 +14,7 @@ give such runs.  Only the first of a run counts.
 
 from __future__ import annotations
 
-from bisect import bisect, insort
+from bisect import bisect_left, insort
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,7 @@ _SILENT = 0.25  # intervals: a stamp this soon after the one before says nothing
 _SUSPECT = 0.25  # intervals: what moves less is not looked at
 _LASTING = 0.5  # intervals
 _FEW = 16  # samples on a side: then jitter alone may look like a shift
+_PASSES = 4.0  # times the median change from stamp to stamp
 _AT_ONCE = 1 << 12  # windows compared at a time
 _TOLERANCE = 0.01  # of the rate: clocks are better than this, wrong rates are worse
 
@@ -135,19 +136,21 @@ class ShiftFinder:
             return [*zip(at.tolist(), moves.tolist(), strict=True)]
         # the clearest first; what lies beyond a shift is no measure for its neighbours
         edges = sorted(self._known)
-        found = []
         step = np.abs(stray[at] - stray[at - 1])
         for row in np.lexsort((-step, -np.abs(moves).round(3))).tolist():
             i, move = int(at[row]), float(moves[row])
-            place = bisect(edges, i)
-            first = max([i - WINDOW, 0, *edges[place - 1 : place]])
-            stop = min([i + WINDOW, len(stray), *edges[place : place + 1]])
+            first, stop = _reach(edges, i, len(stray))
             if first > i - WINDOW or stop < i + WINDOW:
                 move = _short_move(stray[first:i], stray[i:stop])
             if abs(move) > _LASTING:
-                found.append((i, move))
                 insort(edges, i)
-        return sorted(found)
+        found = []
+        for i in edges[len(self._known) :]:
+            first, stop = _reach(edges, i, len(stray))
+            move = float(_move(stray[None, first:i], stray[None, i:stop])[0])
+            if abs(move) > _LASTING:
+                found.append((i, move))
+        return found
 
     def _shift(self, at: int, move: float) -> Shift:
         """The shift that begins at a kept stamp."""
@@ -157,6 +160,14 @@ class ShiftFinder:
             return Shift(last + 1, float(self._times[at - 1]), 0.0, missing)
         before = float(self._before[at])
         return Shift(number, before, float(self._times[at]) - before, missing)
+
+
+def _reach(edges: list[int], i: int, count: int) -> tuple[int, int]:
+    """From where and up to where stamps are a measure for number i of `count`."""
+    place = bisect_left(edges, i)
+    after = edges[place : place + 2]
+    first = max([i - WINDOW, 0, *edges[max(place - 1, 0) : place]])
+    return first, min([i + WINDOW, count, *(edge for edge in after if edge > i)])
 
 
 def _moves(stray: Array, at: NDArray[np.int64]) -> Array:
@@ -188,11 +199,13 @@ def _move(before: Array, after: Array) -> Array:
 
 
 def _short_move(before: Array, after: Array) -> float:
-    """The same for one place; where few samples stand on a side it must pass all jitter."""
+    """The same for one place; where few samples stand on a side it must pass the jitter."""
     move = float(_move(before[None], after[None])[0])
-    few = min(len(before), len(after)) < _FEW
-    spread = max(float(np.ptp(before)), float(np.ptp(after)))
-    return 0.0 if few and abs(move) <= spread else move
+    if min(len(before), len(after)) >= _FEW:
+        return move
+    steps = np.abs(np.concatenate([np.diff(before), np.diff(after)]))
+    jitter = float(np.median(steps)) if len(steps) else 0.0
+    return 0.0 if abs(move) <= _PASSES * jitter else move
 
 
 def wrong_rate(times: Array, shifts: list[Shift], interval: float) -> float | None:

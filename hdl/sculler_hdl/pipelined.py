@@ -29,12 +29,13 @@ from functools import lru_cache
 from itertools import pairwise, product
 from typing import NamedTuple
 
-from amaranth import Module, Mux, Signal, Value
+from amaranth import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 
 from sculler_hdl.parts.accumulate import Accumulation, Accumulator
 from sculler_hdl.parts.cross import SHARINGS, CrossArray, Crossing, Operand, Sharing
 from sculler_hdl.parts.handover import HandOver, Moves, StreamHandOver, complete_clock
+from sculler_hdl.parts.losses import Losses
 from sculler_hdl.parts.multiply import FRINGES
 from sculler_hdl.parts.position import Position, Positioning
 from sculler_hdl.parts.running_sum import Running, RunningSum
@@ -68,7 +69,11 @@ MINOR_CLOCK = 2
 POSITION_CLOCK = 2
 """At which high-resolution position does."""
 MAJOR_CLOCK = 3
-"""At which the hand-over is told that a result comes; its status follows a clock later."""
+"""At which the hand-over is told that a result comes."""
+STATUS_CLOCK = MAJOR_CLOCK + 1
+"""At which its status is there."""
+RAIL_BITS = 12
+"""Bits of a count that are held against its rail together."""
 LATENCY_GOAL = 24
 """Clocks from an interval's last sample to its result that sharing is not to pass."""
 POSITION_LATENCY_GOAL = 32
@@ -411,9 +416,10 @@ class PipelinedCore(wiring.Component):
     Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.cycles`):
         sample_valid, sample_ready; sample_gyro_x..z, sample_accel_x..z (signed counts),
         sample_fault.
-        result_valid, result_ready; result_major (unsigned), result_status (2 bits), and
+        result_valid, result_ready; result_major (unsigned), result_status (4 bits), and
         result_NAME for each of `sculler_model.vectors.COMPONENTS`, signed, worst-case wide; or
         result_data, result_last, the stream of words.
+        samples_lost, and results_dropped where the design drops results.
 
     Throughput: one sample every `timing.spacing` clocks.  Within a major interval nothing stalls;
     the last sample of an interval waits while there is no room for its result (`timing.results`).
@@ -459,11 +465,16 @@ class PipelinedCore(wiring.Component):
         words, stages = self.design.words, self.stages
         m.submodules.sequencer = sequencer = self.sequencer
         m.submodules.handover = handover = self.handover
+        m.submodules.losses = losses = Losses()
         m.d.comb += [
             sequencer.sample_valid.eq(self.sample_valid),
             sequencer.sample_fault.eq(self.sample_fault),
             sequencer.result_taken.eq(handover.taken),
+            sequencer.sample_lost.eq(losses.lost),
+            losses.sample_valid.eq(self.sample_valid),
+            losses.sample_ready.eq(sequencer.sample_ready),
             self.sample_ready.eq(sequencer.sample_ready),
+            self.samples_lost.eq(losses.count),
         ]
         # the parts of each sensor, which stand together, and the arrays have flags of their own
         flags = {
@@ -587,14 +598,16 @@ class PipelinedCore(wiring.Component):
                     m.d.comb += handover.input[name][i].eq(getattr(position, name)[component])
 
         # status, and the result to the host
-        status = Signal(2)
-        news = sequencer.short | sequencer.fault << 1  # STATUS_SHORT_HISTORY, _FAULT
+        status = Signal(3)
+        news = Cat(sequencer.short, sequencer.fault, sequencer.lost)
         with m.If(flags["gyro"]["taken"].at(1)):
             m.d.sync += status.eq(Mux(sequencer.first, 0, status) | news)
-        held = Word(m, "status", status, at_once(2, 2))  # for the next sample starts another
+        held = Word(m, "status", status, at_once(3, 2))  # for the next sample starts another
+        short, fault, lost = held.window(0, 3, STATUS_CLOCK)
+        rail = self._rail(m, tap_samples, flags["gyro"]["taken"], ended)
         m.d.comb += [
             handover.major_end.eq(ended.at(handover.clock)),
-            handover.status.eq(held.window(0, 2, handover.clock + 1)),
+            handover.status.eq(Cat(short, fault, rail, lost)),
             handover.ready.eq(self.result_ready),
             self.result_valid.eq(handover.valid),
         ]
@@ -609,3 +622,27 @@ class PipelinedCore(wiring.Component):
             for i, axis in enumerate(AXES):
                 m.d.comb += getattr(self, f"result_{name}_{axis}").eq(handover.output[name][i])
         return m
+
+    def _rail(
+        self, m: Module, samples: dict[str, list[Word]], taken: FlagLine, ended: FlagLine
+    ) -> Value:
+        """At `STATUS_CLOCK`: a count of the interval so far, this sample included, is at a rail.
+
+        There every bit of it differs from its sign.
+        """
+        clock = TAP_CLOCK
+        parts = []  # of each count
+        for words in samples.values():
+            for word in words:
+                *bits, sign = word.window(0, len(word.value), clock)
+                differs = Signal(-(-len(bits) // RAIL_BITS), name=f"{word.name}_rail")
+                for i, part in enumerate(differs):
+                    some = Cat(bits[i * RAIL_BITS : (i + 1) * RAIL_BITS])
+                    m.d.sync += part.eq(Mux(sign, ~some.any(), some.all()))
+                parts.append(differs)
+        newest, rail = Signal(name="newest_rail"), Signal(name="rail")
+        m.d.sync += [
+            newest.eq(Cat(part.all() for part in parts).any()),
+            rail.eq((newest & taken.at(clock + 2)) | (rail & ~ended.at(clock + 3))),
+        ]
+        return rail

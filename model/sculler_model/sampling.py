@@ -36,8 +36,9 @@ class Gridded(NamedTuple):
     """Consecutive samples on the grid.
 
     `values` is (N, C): increments over the N steps of the grid, or rates at N of its points.
-    `faults` is (N,), 1 where a faulty sample or step took part.  `times` is (N,), the ends of the
-    steps or the points, s on the scale of the given stamps.
+    `faults` is (N,), 1 where a faulty sample or step took part.  `times` is (N,), s on the scale of
+    the given stamps: the ends of the steps, or the instants of the rates (of means over a step
+    its middle).
     """
 
     values: NDArray[np.float64]
@@ -93,6 +94,7 @@ class Resampler:
             values: (N, C).
             faults: (N,) of 0 and 1; None for none.
         """
+        times, values = np.asarray(times, np.float64), np.asarray(values, np.float64)
         if not len(times):
             return self._empty(values.shape[1])
         flags = np.zeros(len(times), np.int64) if faults is None else faults.astype(np.int64)
@@ -162,6 +164,8 @@ class Resampler:
         self._done = end - drop
         if self._given == "increment":
             self._nodes = self._nodes - self._nodes[-1]  # keeps the running total small
+        if self._given == "increment" and self._wanted == "rate":
+            instants = instants - 0.5 * T  # the mean over a step is the rate in its middle
         return Gridded(*given, instants)
 
     def _increments(

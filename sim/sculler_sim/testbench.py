@@ -2,8 +2,11 @@
 
 It needs no Python to run: any simulator of Verilog-2001 does.  Inside,
 
-* samples come from a file of random counts, full-scale ones among them; an LFSR stalls both
-  handshakes, and every other result waits until it holds up the samples;
+* samples come from a file of random counts, in some intervals full-scale ones among them, in others
+  one alone or none, and a few faults; an LFSR stalls both handshakes, and every other result waits
+  until it holds up the samples;
+* offers that are not taken are sometimes withdrawn, so that samples are lost; which, the bench sees
+  for itself, and holds status bit 3 and `samples_lost` to it;
 * after a part of the samples, in mid-interval, reset is held for some clocks while a sample is
   offered; the rest of the samples then starts from nothing;
 * every result port is compared with the golden model's, bit for bit, when the result (or a word
@@ -25,11 +28,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_hdl.ports import Port, result_ports, sample_ports
-from sculler_model.cycles import Timing
+from sculler_model.cycles import COUNTER_BITS, COUNTER_MAX, Timing
 from sculler_model.design import Design
 from sculler_model.fast import run_fast
-from sculler_model.stream import to_words, words_per_result
+from sculler_model.stream import to_words, words_per_column, words_per_result
 from sculler_model.throughput import clocks_per_major
+from sculler_model.vectors import STATUS_LOST
+from sculler_model.wordlength import Interval
 from sculler_sim.files import make_folder, replacing
 
 _SEED = 2001
@@ -89,7 +94,7 @@ def testbench(
         max(intervals, -(-fewest // slowness // per_major)) * per_major + per_major // 2
         for intervals, fewest in least
     )
-    samples = _samples(design, before + after)
+    samples = _samples(design, before, after)
     first = run_fast(design, samples[:before, :6], samples[:before, 6])
     second = run_fast(design, samples[before:, :6], samples[before:, 6])  # after a reset
 
@@ -126,6 +131,10 @@ def testbench(
         "work": "\n".join(
             f"      {phase}: work = {clocks};" for phase, clocks in enumerate(timing.work) if clocks
         ),
+        "lost_part": words_per_column(design) if stream else 0,
+        "lost_bit": (STATUS_LOST.bit_length() - 1) + (0 if stream else outputs[0].bits),
+        "counter_bits": COUNTER_BITS,
+        "counter_max": COUNTER_MAX,
         "timeout": 1000
         + 2 * timing.startup
         + slowest_sample * len(samples)
@@ -151,20 +160,48 @@ _PARALLEL_LINE = (
 )
 
 
-def _samples(design: Design, count: int) -> NDArray[np.int64]:
-    """(count, 7) random counts and fault: half of the counts full-scale, some in long runs."""
+def _samples(design: Design, before: int, after: int) -> NDArray[np.int64]:
+    """(before + after, 7) counts and fault for the samples before and after the reset.
+
+    Every third major interval has half of its counts full-scale, some in long runs; the others
+    come within one of full scale, every second of them with a single count that reaches it.  Every
+    fourth has a faulty sample.
+    """
     rng = random.Random(_SEED)
-    allowed = [design.words.gyro] * 3 + [design.words.accel] * 3
+    words, span = design.words, design.samples_per_major
+    allowed = [words.gyro] * 3 + [words.accel] * 3
+    parts = []
+    for part, samples in enumerate((before, after)):
+        rows = _wild(rng, allowed, samples)
+        for interval, first in enumerate(range(0, samples, span), start=part):
+            mine = rows[first : first + span]
+            if interval % 3:
+                mine[:] = mine.clip([word.lo + 1 for word in allowed], [w.hi - 1 for w in allowed])
+            if interval % 3 == 2:
+                axis = rng.randrange(6)
+                ends = (allowed[axis].lo, allowed[axis].hi)
+                mine[rng.randrange(len(mine)), axis] = rng.choice(ends)
+        faults = np.zeros((samples, 1), np.int64)
+        for interval, first in enumerate(range(0, samples, span), start=part):
+            if interval % 4 == 1:
+                faults[first + rng.randrange(min(span, samples - first))] = 1
+        parts.append(np.hstack([rows, faults]))
+    return np.concatenate(parts)
+
+
+def _wild(rng: random.Random, allowed: Sequence[Interval], count: int) -> NDArray[np.int64]:
+    """(count, 6) random counts: half of them full-scale, some in long runs."""
     rows: list[list[int]] = []
     while len(rows) < count:
         held = [rng.choice((word.lo, word.hi)) for word in allowed]  # drives sums to their ends
         for _ in range(rng.choice((1, 2, 3, 40))):
-            counts = [
-                rng.choice((end, end, word.lo, word.hi, rng.randint(-3, 3), uniform))
-                for end, word in zip(held, allowed, strict=True)
-                for uniform in [rng.randint(word.lo, word.hi)]
-            ]
-            rows.append([*counts, int(rng.random() < 0.01)])
+            rows.append(
+                [
+                    rng.choice((end, end, word.lo, word.hi, rng.randint(-3, 3), uniform))
+                    for end, word in zip(held, allowed, strict=True)
+                    for uniform in [rng.randint(word.lo, word.hi)]
+                ]
+            )
     return np.array(rows[:count], np.int64)
 
 

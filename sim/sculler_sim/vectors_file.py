@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, ExitStack
 from itertools import islice
 from math import isfinite
 from pathlib import Path
@@ -20,7 +20,7 @@ from sculler_model.blocks import VectorBlock, component_dtype
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.vectors import AXES, COLUMNS, HIGH_RESOLUTION_COLUMNS
-from sculler_sim.files import replacing
+from sculler_sim.files import open_lines, replacing
 
 TIME = "time_s"
 """Name of the optional last column."""
@@ -29,6 +29,9 @@ TIME = "time_s"
 def _header(columns: Sequence[str], times: bool) -> str:
     return ",".join(columns) + f",{TIME}" * times + "\n"
 
+
+MAX_DIGITS = 4000
+"""Of a component, many times what any design gives; Python converts no more than 4300."""
 
 _CELL = re.compile(r"-?[0-9]+")
 _TIME = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]+)?")  # as Python writes floats
@@ -62,11 +65,14 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
         self._format = ",".join(["%d"] * len(columns))
         self.times = times
         self.rows = 0
-        self._replacing = replacing(self.path)
 
     def __enter__(self) -> VectorsWriter:
-        self._file = self._replacing.__enter__().open("w", encoding="ascii", newline="\n")
-        self._headed = False
+        with ExitStack() as stack:
+            temporary = stack.enter_context(replacing(self.path))
+            file = temporary.open("w", encoding="ascii", newline="\n")
+            self._file = stack.enter_context(file)
+            self._headed = False
+            self._stack = stack.pop_all()
         return self
 
     def write(self, block: VectorBlock) -> None:
@@ -104,13 +110,13 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        self._write_header()
-        self._file.close()
-        self._replacing.__exit__(kind, error, traceback)
+        if kind is None:
+            self._write_header()
+        self._stack.__exit__(kind, error, traceback)
 
 
 def read_vectors(
-    path: str | Path, design: Design | None = None, chunk: int = 1 << 14
+    path: str | Path, design: Design | None = None, chunk: int = 1 << 14, *, missing: bool = False
 ) -> Iterator[VectorBlock]:
     """Read a vectors CSV in blocks of at most `chunk` rows.
 
@@ -120,6 +126,7 @@ def read_vectors(
             width, and the components are int64 where the design's fit it; without it they are
             Python integers (dtype object).
         chunk: rows in a block, which bound the memory.
+        missing: let rows be missing, that is, `major` jump forwards.
 
     Raises:
         InputError: the file cannot be read, is cut short, its header or a cell is wrong, `major`
@@ -139,7 +146,7 @@ def read_vectors(
         cells = [lines.row(number, line) for number, line in numbered]
         rows = [integers for integers, _ in cells]
         for (number, _), row in zip(numbered, rows, strict=True):
-            if row[0] not in (0, major + 1):
+            if row[0] not in (0, major + 1) and not (missing and row[0] > major):
                 raise InputError(
                     f"{path}: line {number}: major is {row[0]} where {major + 1} should follow,"
                     " rows are missing or out of order"
@@ -201,9 +208,16 @@ class VectorLines(Iterator[tuple[int, str]]):
     def check(self, number: int, line: str) -> None:
         """Raise InputError if the line is not as many numbers as there are columns."""
         integers, _, time = line.rpartition(",") if self.times else (line, "", "0")
-        if self._row.fullmatch(integers) and _is_time(time):
-            return
         cells, names = line.split(","), (*self.columns, *[TIME] * self.times)
+        if self._row.fullmatch(integers) and _is_time(time):
+            longest = max(map(len, cells))
+            if longest <= MAX_DIGITS:
+                return
+            column = names[[len(cell) for cell in cells].index(longest)]
+            raise InputError(
+                f"{self.path}: line {number}: {column} has {longest} digits, more than any design"
+                " gives; is this a vectors file?"
+            )
         for column, cell in zip(names, cells, strict=False):
             good = _is_time(cell) if column == TIME else _CELL.fullmatch(cell)
             if not good:
@@ -224,7 +238,7 @@ def _is_time(cell: str) -> bool:
 def _lines(path: Path) -> Iterator[tuple[int, str]]:
     """Number and text of each line, the header with its end."""
     try:
-        with path.open(encoding="ascii") as file:
+        with open_lines(path, encoding="ascii") as file:
             yield 1, file.readline()
             for number, line in enumerate(file, start=2):
                 if not line.endswith("\n"):

@@ -28,6 +28,7 @@ from sculler_sim.stimulus import Levels, Stimulus
 from sculler_sim.verilator_build import build, limbs
 
 _CLOCKS = 1 << 15  # clocks in one call of the library
+_ROOM = 1 << 14  # bytes
 
 
 def stream(
@@ -49,10 +50,10 @@ def stream(
                 core.reset()
                 continue
             counts, faults = chunk
-            first, last = progress.samples, progress.samples + len(counts)
-            while progress.samples < last:
-                done = progress.samples - first
+            first, done = progress.samples + progress.lost, 0
+            while done < len(counts):
                 yield from core.run(counts[done:], faults[done:])
+                done = progress.samples + progress.lost - first
         while not progress.drained(design):
             yield from core.run(_NO_COUNTS, _NO_FAULTS)
 
@@ -71,7 +72,7 @@ def trace(
 
 
 class _Levels(ctypes.Structure):
-    _fields_ = [("offer", ctypes.c_void_p), ("take", ctypes.c_void_p), ("rst", ctypes.c_void_p)]
+    _fields_ = [(name, ctypes.c_void_p) for name in Levels._fields]
 
     @classmethod
     def at(cls, levels: Levels, clock: int) -> _Levels:
@@ -94,6 +95,7 @@ class _Core:
         wave: Path | None,
     ) -> None:
         self._design = design
+        self._wave = wave
         self._stimulus = stimulus
         self._progress = progress
         self._timing = timing(design)
@@ -110,10 +112,10 @@ class _Core:
         self._levels_from = 0
         try:
             self._library = ctypes.CDLL(str(library))
-        except OSError as error:
+            self._library.sculler_create.restype = ctypes.c_void_p
+            self._library.sculler_run.restype = ctypes.c_int64
+        except (OSError, AttributeError) as error:  # damaged, or not what the build should make
             raise InputError(f"cannot load the simulator ({error}), delete {library}") from error
-        self._library.sculler_create.restype = ctypes.c_void_p
-        self._library.sculler_run.restype = ctypes.c_int64
         self._handle = ctypes.c_void_p(
             self._library.sculler_create(b"" if wave is None else os.fsencode(wave))
         )
@@ -124,7 +126,11 @@ class _Core:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._library.sculler_destroy(self._handle)
+        failed = self._library.sculler_destroy(self._handle)
+        if self._wave is not None and error[0] is None:
+            if failed:
+                raise OSError(failed, os.strerror(failed))
+            _require_room(self._wave)
 
     def run(self, counts: NDArray[np.int32], faults: NDArray[np.uint8]) -> Iterator[VectorBlock]:
         """Some clocks with these samples, or none to drain; the results taken in them."""
@@ -142,22 +148,24 @@ class _Core:
     def reset(self) -> None:
         """One clock of reset; no sample is offered and no result taken in it."""
         low, high = np.zeros(1, np.uint8), np.ones(1, np.uint8)
-        levels = _Levels.at(Levels(low, low, high), 0)
+        levels = _Levels.at(Levels(low, low, high, low), 0)
         handshakes, shown = np.empty((1, 2), np.uint8), np.empty((1, self._shown), np.uint64)
-        self._call(_NO_COUNTS, _NO_FAULTS, levels, 1, handshakes, shown)
+        counters = np.empty((1, 2), np.uint16)
+        self._call(_NO_COUNTS, _NO_FAULTS, levels, 1, handshakes, shown, counters)
 
     def trace(self, counts: NDArray[np.int32], faults: NDArray[np.uint8], clocks: int) -> PortTrace:
         """All ports on exactly so many clocks."""
         levels = self._stimulus.levels(0, clocks)
         handshakes = np.empty((clocks, 2), np.uint8)
+        counters = np.empty((clocks, 2), np.uint16)
         ports = result_ports(self._design)
         shown = np.empty((clocks, self._shown), np.uint64)
-        self._call(counts, faults, _Levels.at(levels, 0), clocks, handshakes, shown)
+        self._call(counts, faults, _Levels.at(levels, 0), clocks, handshakes, shown, counters)
         result = np.empty((clocks, len(ports)), object)
         result[:, :2] = shown[:, :2]
         if not self._stream:
             result[:, 2:] = self._components(shown)
-        return PortTrace(handshakes[:, 0], handshakes[:, 1], result, ports)
+        return PortTrace(handshakes[:, 0], handshakes[:, 1], result, counters, ports)
 
     def _call(
         self,
@@ -167,6 +175,7 @@ class _Core:
         clocks: int,
         handshakes: NDArray[np.uint8] | None,
         shown: NDArray[np.uint64] | None,
+        shown_counters: NDArray[np.uint16] | None = None,
     ) -> None:
         names = Progress.__dataclass_fields__
         counters = _Counters(*(getattr(self._progress, name) for name in names))
@@ -182,6 +191,7 @@ class _Core:
             ctypes.c_int64(self._capacity),
             _address(handshakes),
             _address(shown),
+            _address(shown_counters),
             ctypes.byref(counters),
         )
         if words:
@@ -217,6 +227,22 @@ class _Core:
         for i in range(parts.shape[2] - 2, -1, -1):
             value = (value << 64) | parts[:, :, i].astype(object)
         return value
+
+
+def _require_room(wave: Path) -> None:
+    """See that there is room after a waveform: the writer of FST passes over a full disk.
+
+    Raises:
+        OSError: there is none.
+    """
+    size = wave.stat().st_size
+    with wave.open("r+b") as file:
+        try:
+            file.seek(size)
+            file.write(bytes(_ROOM))
+            file.flush()
+        finally:
+            os.truncate(wave, size)
 
 
 def _address(array: NDArray[Any] | None) -> ctypes.c_void_p:

@@ -217,9 +217,15 @@ FAULTS: dict[str, tuple[str, tuple[str, ...], str]] = {
         "shows 100 Hz but sensor.sample_rate_hz = 1000",
     ),
     "time goes back": (
-        f"t,{COLUMNS}\n0,0,0,0,0,0,0\n0.001,0,0,0,0,0,0\n0.001,0,0,0,0,0,0\n",
+        f"t,{COLUMNS}\n0,0,0,0,0,0,0\n0.001,0,0,0,0,0,0\n-3,0,0,0,0,0,0\n",
         (*UNITS, "--time-column", "t"),
-        "sample 2: time does not grow, it repeats the stamp before (0.001000000 s)",
+        "sample 2: time does not grow, it goes back by 3.001 s for good (after 0.001000 s)",
+    ),
+    "time stands still": (
+        f"t,{COLUMNS}\n0,0,0,0,0,0,0\n" + "0.001,0,0,0,0,0,0\n" * 3,
+        (*UNITS, "--time-column", "t", "--steps", "resample"),
+        "sample 2: time does not grow, it repeats the stamp before (0.001000000 s) (2 such samples"
+        " in all); give --steps even",
     ),
     "option of another format": (
         f"{COLUMNS}\n0,0,0,0,0,0\n",

@@ -401,7 +401,7 @@ def test_kfgins_binary_faults(tmp_path: Path, refused: Refused, imu200: Path) ->
         (rows[:-8], "not a whole number of rows of 56"),
         (b"", "the log is empty"),
         (rows[:56] + struct.pack("<7d", *[np.nan] * 7), "sample 1: time is nan"),
-        (rows[:56] * 2, "sample 1: time does not grow, it repeats"),
+        (rows[56:112] + rows[:56], "sample 1: time does not grow, it goes back by 0.005 s"),
     ):
         log.write_bytes(content)
         assert message in refused(*words)

@@ -78,6 +78,8 @@ def test_whole_milliseconds_at_800_and_2000_hz() -> None:
         (without(500, 501, 502) * T, [(500, 3)]),
         (without(500, 501, 510) * T, [(500, 2), (508, 1)]),
         (without(1) * T, [(1, 1)]),
+        (without(*range(4, 1000, 5)) * T, [(4 * k, 1) for k in range(1, 200)]),
+        (without(*range(4, 90, 5)) * T, [(4 * k, 1) for k in range(1, 19)]),
         (without(998) * T, [(998, 1)]),
         (np.sort((without(500) + JITTER[1:]) * T), [(500, 1)]),
         (np.sort((without(200, 201) + JITTER[2:]) * T), [(200, 2)]),

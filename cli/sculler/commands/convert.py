@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from sculler.conversion import Biases, Conversion
     from sculler.mounting import Mounting
     from sculler.readers import Advance, Recording, Samples, Unit
-    from sculler.readers.timing import Gaps, Steps, Timing
+    from sculler.readers.running_sums import Differences
+    from sculler.readers.timing import Gaps, Steps
     from sculler_model.design import Design
     from sculler_model.navigation.rotation import Vector
     from sculler_model.sampling import Kind, Resampler
@@ -24,7 +25,6 @@ _GYRO_UNITS = ("rad", "deg", "arcsec", "rad/s", "deg/s", "deg/h", "counts")
 _ACCEL_UNITS = ("m/s", "ft/s", "m/s2", "g", "mg", "counts")
 _TIME_UNITS = ("s", "ms", "us", "ns")
 _MAX_GAP = 1.0
-_GAPS_SHOWN = 20
 
 
 @click.command(
@@ -40,7 +40,7 @@ _GAPS_SHOWN = 20
         "    --gyro-bias eb0 --accel-bias db0 --misalignment mu0",
     ),
 )
-@click.argument("log", type=click.Path(path_type=Path))
+@click.argument("log", type=terminal.InputFile(Path))
 @terminal.output_option
 @click.option("--design", "design_name", metavar="DESIGN", required=True, help="Gives the scales.")
 @click.option(
@@ -53,11 +53,14 @@ _GAPS_SHOWN = 20
 @click.option(
     "--gyro-columns",
     metavar="A,B,C",
-    help="Names or numbers (from 1) of the columns x, y, z, or the name of one array of three (MAT,"
-    " npz; imu.gyro in a structure); those of the format if left out, or gyro_x,gyro_y,gyro_z.",
+    help="Names or numbers (from 1) of the columns x, y, z, -B for the negative of B, or the name"
+    " of one array of three (MAT, npz; imu.gyro in a structure); those of the format if left out,"
+    " or gyro_x,gyro_y,gyro_z.",
 )
 @click.option("--accel-columns", metavar="A,B,C", help="The same of the accelerometer.")
-@click.option("--time-column", metavar="A", help="A time column; that of the format if left out.")
+@click.option(
+    "--time-column", metavar="A", help="A time column, or none; that of the format if left out."
+)
 @click.option(
     "--gyro-unit",
     type=click.Choice(_GYRO_UNITS),
@@ -83,6 +86,23 @@ _GAPS_SHOWN = 20
 @click.option("--skip-rows", type=click.IntRange(min=0), help="Lines of CSV before its header.")
 @click.option("--variable", metavar="NAME", help="A matrix of a MAT, HDF5 or npz file.")
 @click.option("--topic", metavar="NAME", help="The topic of a ROS bag, where it has several.")
+@click.option(
+    "--cumulative",
+    is_flag=True,
+    help="The numbers are running sums, as counters send them: take their differences.",
+)
+@click.option(
+    "--cumulative-of",
+    type=click.Choice(["both", "gyro", "accel"]),
+    default="both",
+    show_default=True,
+    help="Which of the sensors sends running sums.",
+)
+@click.option(
+    "--cumulative-bits",
+    type=click.IntRange(min=8, max=48),
+    help="Width at which the sums wrap; found out if left out.",
+)
 @click.option(
     "--rates",
     type=click.Choice(["instant", "mean"]),
@@ -160,6 +180,9 @@ def command(
     max_gap: float | None,
     start: float | None,
     stop: float | None,
+    cumulative: bool,
+    cumulative_of: str,
+    cumulative_bits: int | None,
     **options: Any,
 ) -> None:
     """Make an integer IMU log of LOG.
@@ -178,13 +201,18 @@ def command(
     """
     from sculler.conversion import Conversion
     from sculler.logs import LogWriter
+    from sculler.origin import write_origin
+    from sculler.readers import timing_told
+    from sculler.readers.preparation import Watch, differenced, signed, unstamped
     from sculler.readers.timing import Timing, resampled
+    from sculler_model import inputs
     from sculler_model.errors import InputError
     from sculler_sim.files import replacing
 
     design = terminal.load_design(design_name)
     if max_gap is not None and gaps != "bridge":
         raise click.UsageError("--max-gap goes with --gaps bridge, give both or leave it out")
+    inputs.require_file(log, "log")
     log_format = _format(log, log_format, options)
     mounting = _mounting(log, log_format, axes, misalignment)
     biases = _biases(log, log_format, gyro_bias, accel_bias)
@@ -192,13 +220,25 @@ def command(
         terminal.progress("converting", terminal.file_size(log)) as advance,
         replacing(output) as temporary,
     ):
+        without_stamps = options["time_column"] == "none"
+        if without_stamps:
+            options["time_column"] = None
         recording = _open(log, log_format, design, advance, options)
+        recording = signed(recording, _signs(options))
+        differences = _differences(log, recording, cumulative, cumulative_of, cumulative_bits)
+        if differences is not None:
+            recording = differenced(recording, differences)
+        if without_stamps:
+            recording = unstamped(recording)
         given = _kind(design, recording, rates, steps)
-        chunks: Iterator[Samples] = recording.chunks
+        watch = Watch(design, recording, differences is not None)
+        chunks: Iterator[Samples] = watch(recording.chunks)
         timing = None
         if recording.clock is not None:
-            timing = Timing(log, design, recording, given, gaps, max_gap or _MAX_GAP, start, stop)
-            chunks = (chunk for chunk in map(timing, chunks) if len(chunk.values))
+            timing = Timing(
+                log, design, recording, given, gaps, max_gap or _MAX_GAP, steps, start, stop
+            )
+            chunks = timing(chunks)
         elif gaps == "bridge" or steps == "resample" or start is not None or stop is not None:
             raise click.UsageError(
                 "--gaps bridge, --steps resample, --start and --stop need time stamps, give"
@@ -213,11 +253,17 @@ def command(
         reworked = gaps == "bridge" or resampler is not None
         conversion = Conversion(log, design, gyro, accel, mounting, biases, reworked)
         faults = recording.has_faults or gaps == "bridge"
-        clock = recording.clock
+        clock, to_instant = recording.clock, _to_instant(design, given, rates, resampler)
         with LogWriter(temporary, faults=faults, times=clock is not None) as writer:
             for chunk in chunks:
-                times = None if clock is None or chunk.times is None else chunk.times + clock.origin
-                writer.write(conversion(chunk.values), chunk.faults, times)
+                times = None
+                if clock is not None and chunk.times is not None:
+                    times = chunk.times + (clock.origin + to_instant)
+                try:
+                    counts = conversion(chunk.values)
+                except InputError as error:
+                    raise InputError("; ".join([str(error), *watch.sums()])) from error
+                writer.write(counts, chunk.faults, times)
         if not conversion.samples:
             raise InputError(
                 f"{log}: too few samples to make an increment of (or none from --start to --stop),"
@@ -229,15 +275,21 @@ def command(
         "mounting": mounting.rows(),
         "biases": asdict(biases),
         "misalignment": mounting.misalignment,
-        "timing": None if timing is None else _timing(timing, design, gaps, steps),
+        "timing": None,
         "datagrams": None if recording.datagrams is None else asdict(recording.datagrams),
-        "warnings": [*recording.warnings, *_warnings(conversion, timing, design, steps)],
+        "warnings": [*recording.warnings, *conversion.hints(), *watch.warnings()],
     }
+    if timing is not None:
+        data["timing"] = timing_told.as_json(timing, design, gaps, steps)
+        data["warnings"] += timing_told.warnings(timing, design, gaps, steps)
+    if differences is not None:
+        data["notes"]["running sums"] = differences.told()
     if resampler is not None and timing is not None:
         data["timing"]["left_out_s"] = resampler.left_out
+    write_origin(output, {"source": log, "design": design_name}, data)
     terminal.report(
-        data, as_json, terminal.facts(_facts(data)), *_mounting_table(data), *_gaps_table(data),
-        _ranges(data)
+        data, as_json, terminal.facts(_facts(data)), *_mounting_table(data),
+        *timing_told.gaps_table(data["timing"]), _ranges(data)
     )  # fmt: skip
 
 
@@ -292,6 +344,39 @@ def _columns(options: dict[str, Any], sensor: str) -> list[str] | None:
     if not all(columns):
         raise click.UsageError(f"--{sensor}-columns: {text!r} is not allowed, give x,y,z")
     return columns
+
+
+def _signs(options: dict[str, Any]) -> list[float]:
+    """The signs of the six columns."""
+    from sculler.readers.columns import split_sign
+
+    signs: list[float] = []
+    for sensor in ("gyro", "accel"):
+        each = [split_sign(column)[0] for column in _columns(options, sensor) or ["x"] * 3]
+        signs += each * 3 if len(each) == 1 else each
+    return signs
+
+
+def _differences(
+    log: Path, recording: Recording, cumulative: bool, sensors: str, bits: int | None
+) -> Differences | None:
+    """What makes increments of running sums; None where the numbers are none."""
+    from sculler.readers.running_sums import Differences
+
+    if not cumulative:
+        if bits is not None or sensors != "both":
+            raise click.UsageError(
+                "--cumulative-of and --cumulative-bits go with --cumulative, give it too"
+            )
+        return None
+    columns = {"both": range(6), "gyro": range(3), "accel": range(3, 6)}[sensors]
+    kinds = [recording.gyro.kind] * 3 + [recording.accel.kind] * 3
+    if any(kinds[column] == "rate" for column in columns):
+        raise click.UsageError(
+            "--cumulative takes running sums of increments, give their units (rad, deg, arcsec,"
+            " m/s, ft/s or counts), not those of rates"
+        )
+    return Differences(log, columns, bits)
 
 
 def _vector(
@@ -356,6 +441,15 @@ def _resampler(design: Design, given: Kind, rates: str, steps: str) -> Resampler
     return None
 
 
+def _to_instant(design: Design, given: Kind, rates: str, resampler: Resampler | None) -> float:
+    """From the stamps to the instants of the design's samples, s.
+
+    A mean over the interval that ends at a stamp is the rate in the interval's middle.
+    """
+    mean = rates == "mean" if given == "rate" else resampler is None
+    return -0.5 * design.sample_interval if mean and design.sensor.kind == "rate" else 0.0
+
+
 def _unit(design: Design, unit: Unit, given: Kind, resampler: Resampler | None) -> Unit:
     """The unit of the values as they come to the conversion."""
     from sculler.readers import Unit
@@ -413,46 +507,7 @@ def _summary(
     }
 
 
-def _timing(timing: Timing, design: Design, gaps: str, steps: str) -> dict[str, Any]:
-    """What the stamps showed, and what was done."""
-    found = timing.report
-    plain = found.shortest_step <= found.longest_step
-    return {
-        "samples_read": found.samples,
-        "start_s": found.start,
-        "end_s": found.start + found.span,
-        "rate_hz": found.rate,
-        "design_rate_hz": design.sensor.sample_rate_hz,
-        "shortest_step_s": found.shortest_step if plain else None,
-        "longest_step_s": found.longest_step if plain else None,
-        "unequal_steps": found.unequal,
-        "gap_count": found.gap_count,
-        "missing_samples": found.missing,
-        "gaps": [asdict(gap) for gap in found.gaps],
-        "gaps_are": {"bridge": "bridged", "ignore": "ignored", "refuse": "refused"}[gaps],
-        "steps": steps,
-    }
-
-
-def _warnings(
-    conversion: Conversion, timing: Timing | None, design: Design, steps: str
-) -> list[str]:
-    warnings = conversion.hints()
-    if timing is None or timing.report.rate is None or steps == "resample":
-        return warnings
-    off = timing.report.rate / design.sensor.sample_rate_hz - 1
-    strayed = abs(off) * timing.report.samples  # intervals, from the first stamp to the last
-    if abs(off) > 1e-4 and strayed > 1:
-        warnings.append(
-            f"the stamps show {timing.report.rate:.9g} Hz, {off * 1e6:+.0f} ppm from"
-            " sensor.sample_rate_hz: give --steps resample, or the design that rate"
-        )
-    return warnings
-
-
 def _facts(data: dict[str, Any]) -> dict[str, str]:
-    from rich.markup import escape
-
     rows = {
         "read": f"{data['log']} (format {data['format']})",
         "samples": f"{data['samples']:,}, {data['seconds']:,.6g} s",
@@ -460,26 +515,10 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
     rows |= {sensor: facts["made"] for sensor, facts in data["sensors"].items()}
     rows |= data["notes"]
     if data["timing"] is not None:
-        rows["time"] = _time_told(data["timing"])
-    for number, warning in enumerate(data["warnings"], start=1):
-        rows[f"warning {number}"] = warning
-    return {name: escape(told) for name, told in {**rows, "wrote": data["output"]}.items()}
+        from sculler.readers import timing_told
 
-
-def _time_told(timing: dict[str, Any]) -> str:
-    if timing["rate_hz"] is None:
-        return "one sample"
-    told = f"{timing['rate_hz']:.9g} Hz from {timing['start_s']:.6f} s to {timing['end_s']:.6f} s"
-    if timing["longest_step_s"] is not None:
-        told += f", steps {timing['shortest_step_s']:.6g} s to {timing['longest_step_s']:.6g} s"
-    if timing["unequal_steps"]:
-        treated = "resampled" if timing["steps"] == "resample" else "taken as even"
-        told += f" ({timing['unequal_steps']:,} unequal, {treated})"
-    if not timing["gap_count"]:
-        return told + ", no gaps"
-    gaps = terminal.plural(timing["gap_count"], "gap")
-    missing = terminal.plural(timing["missing_samples"], "sample")
-    return told + f"; {gaps}, {missing} missing, {timing['gaps_are']}"
+        rows["time"] = timing_told.words(data["timing"])
+    return rows | terminal.warning_rows(data["warnings"]) | {"wrote": data["output"]}
 
 
 def _mounting_table(data: dict[str, Any]) -> list[Any]:
@@ -493,25 +532,6 @@ def _mounting_table(data: dict[str, Any]) -> list[Any]:
         table.add_column(column)
     for row in data["mounting"]:
         table.add_row(row["log"], row["file"], row["cosines"])
-    return [table]
-
-
-def _gaps_table(data: dict[str, Any]) -> list[Any]:
-    from rich.table import Table
-
-    timing = data["timing"]
-    if timing is None or not timing["gaps"]:
-        return []
-    table = Table(title="gaps", title_justify="left", title_style="bold")
-    for column in ("before sample", "after time (s)", "length (s)", "samples missing"):
-        table.add_column(column, justify="right")
-    for gap in timing["gaps"][:_GAPS_SHOWN]:
-        table.add_row(
-            f"{gap['sample']:,}", f"{gap['time']:.6f}", f"{gap['seconds']:.6g}", str(gap["missing"])
-        )
-    more = timing["gap_count"] - _GAPS_SHOWN
-    if more > 0:
-        table.add_row("...", f"and {more:,} more", "", "")
     return [table]
 
 

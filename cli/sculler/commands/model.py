@@ -38,11 +38,13 @@ def command(
     Writes the vectors: one row of exact integers for each complete major interval.  A log with a
     column time_s (stamps, s) or sequence (a sample counter) is checked for missing samples.
     """
+    from sculler.origin import write_origin
     from sculler.runs import model_log
 
     design = terminal.load_design(design_name)
     with terminal.progress("modelling", terminal.file_size(log)) as advance:
         summary = model_log(design, log, output, engine, advance, breaks)
     data = {"engine": engine, "log": log, "output": str(output), **summary.as_json()}
+    write_origin(output, {"log": log, "design": design_name}, data)
     rows = summary.facts() | terminal.warning_rows(summary.warnings)
     terminal.report(data, as_json, terminal.facts(rows | {"wrote": str(output)}))

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from sculler.logs import COUNTS, FAULT
 from sculler.readers import Clock, Recording, Samples, require_finite
 from sculler.readers.apart import Shape
-from sculler.readers.columns import recognise
+from sculler.readers.columns import headed, recognise
 from sculler.readers.delimited import fault_flags
 from sculler.readers.format import COLUMNS, Format, Request, begins
 from sculler.readers.named import exact, read_named
@@ -113,6 +113,7 @@ def read_parquet(path: Path, request: Request) -> Recording:
     if columns is None:
         columns = COUNTS if known is None else known.columns
         usual = (None, None) if known is None else ("rad/s", "m/s2")
+    columns = [headed(column, names) for column in columns]
     try:
         units = request.units(*usual)
     except InputError as error:

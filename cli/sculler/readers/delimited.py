@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from sculler.logs import COUNTS, FAULT
 from sculler.readers import Clock, Recording, Samples
-from sculler.readers.columns import recognise, stamp_unit
+from sculler.readers.columns import headed, recognise, stamp_unit
 from sculler.readers.format import COLUMNS, TIME, UNITS, Format, Request
 from sculler.readers.text import COMMENT, Column, Rows, is_content, number_rows, open_text
 from sculler_model.errors import InputError
@@ -147,6 +147,7 @@ class _Header:
                 " --format csv with the columns"
             )
         columns: Sequence[str] = asked or (COUNTS if known is None else known.columns)
+        columns = [headed(name, cells) for name in columns]
         time: Sequence[str] = () if known is None else known.time
         if request.time is not None:
             time = (request.time,)

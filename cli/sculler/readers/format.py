@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sculler.readers import ACCEL_UNITS, GYRO_UNITS, Advance, Recording, Unit
+from sculler.readers.columns import split_sign
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 
@@ -24,7 +25,8 @@ class Request:
     Attributes:
         design: gives rate and counts.
         advance: to be told the bytes read.
-        gyro_columns, accel_columns: names or numbers (from 1): three, or one of an array (N, 3).
+        gyro_columns, accel_columns: names or numbers (from 1): three, or one of an array (N, 3);
+            each with a minus before it where the negative is meant.
         time: name or number of the time column.
         time_unit: of `TIME_UNITS`.
         gyro, accel: units, of `GYRO_UNITS` and `ACCEL_UNITS`.
@@ -50,6 +52,16 @@ class Request:
     variable: str | None = None
     topic: str | None = None
 
+    @property
+    def gyro_names(self) -> list[str] | None:
+        """`gyro_columns` without signs."""
+        return _without_signs(self.gyro_columns)
+
+    @property
+    def accel_names(self) -> list[str] | None:
+        """`accel_columns` without signs."""
+        return _without_signs(self.accel_columns)
+
     def units(self, gyro: str | None = None, accel: str | None = None) -> tuple[Unit, Unit]:
         """The units asked for, with their scales; else the usual ones of the format.
 
@@ -70,7 +82,9 @@ class Request:
         return scaled(sensor, unit, scale)
 
     def columns(self, defaults: Sequence[str]) -> list[str] | None:
-        """The six columns, of the default names where one sensor's are left out; None if both are.
+        """The six columns with their signs; None if both sensors' are left out.
+
+        Where one sensor's are, they have the default names.
 
         Raises:
             InputError: not three different columns are given for a sensor.
@@ -82,13 +96,17 @@ class Request:
         )
 
 
+def _without_signs(columns: Sequence[str] | None) -> list[str] | None:
+    return None if columns is None else [split_sign(column)[1] for column in columns]
+
+
 def triple(sensor: str, columns: Sequence[str]) -> list[str]:
     """Three different columns.
 
     Raises:
         InputError: they are not.
     """
-    if len(columns) != 3 or len(set(columns)) != 3:
+    if len(columns) != 3 or len(set(_without_signs(columns) or ())) != 3:
         raise InputError(
             f"--{sensor}-columns: {','.join(columns)!r} is not allowed, give three different"
             " columns x,y,z"

@@ -40,8 +40,8 @@ def _enough(request: Request) -> list[str]:
     """The variables that the user names, if these are all that are needed."""
     if request.variable is not None:
         names = [request.variable]
-    elif request.gyro_columns is not None and request.accel_columns is not None:
-        names = [*request.gyro_columns, *request.accel_columns]
+    elif request.gyro_names is not None and request.accel_names is not None:
+        names = [*request.gyro_names, *request.accel_names]
         if request.time is None:
             return []
     else:

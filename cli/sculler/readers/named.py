@@ -204,18 +204,18 @@ class _Choice:
         self._source, self._request = source, request
         self._listing, self.path = source.listing, source.path
         self.matrix = self._matrix()
-        given = request.gyro_columns is not None or request.accel_columns is not None
+        given = request.gyro_names is not None or request.accel_names is not None
         if self.matrix is not None:
             self.samples = [
-                *self._given("gyro", request.gyro_columns or ("1", "2", "3")),
-                *self._given("accel", request.accel_columns or ("4", "5", "6")),
+                *self._given("gyro", request.gyro_names or ("1", "2", "3")),
+                *self._given("accel", request.accel_names or ("4", "5", "6")),
             ]
         elif given:
-            if request.gyro_columns is None or request.accel_columns is None:
+            if request.gyro_names is None or request.accel_names is None:
                 raise InputError("--gyro-columns and --accel-columns go together, give both")
             self.samples = [
-                *self._given("gyro", request.gyro_columns),
-                *self._given("accel", request.accel_columns),
+                *self._given("gyro", request.gyro_names),
+                *self._given("accel", request.accel_names),
             ]
         else:
             self.samples = self._guessed()
@@ -233,7 +233,7 @@ class _Choice:
     def _matrix(self) -> str | None:
         name = self._request.variable
         if name is None:
-            columns = [*(self._request.gyro_columns or ()), *(self._request.accel_columns or ())]
+            columns = [*(self._request.gyro_names or ()), *(self._request.accel_names or ())]
             if columns and all(column.isdecimal() for column in columns):
                 raise InputError(f"{self.path}: columns by number need --variable; {self._has()}")
             return None

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from sculler.readers import Advance
 from sculler.readers.signatures import HEAD_BYTES, told
 from sculler_model.errors import InputError
+from sculler_sim.files import open_lines
 
 COMMENT = "#"
 _CHUNK_ROWS = 1 << 14
@@ -61,7 +62,7 @@ def open_text(path: Path) -> Iterator[TextIO]:
             what it is, if that is known.
     """
     try:
-        with path.open(encoding=_encoding(path)) as file:
+        with open_lines(path, encoding=_encoding(path)) as file:
             yield file
     except UnicodeError as error:
         where = f" at byte {error.start:,}" if isinstance(error, UnicodeDecodeError) else ""

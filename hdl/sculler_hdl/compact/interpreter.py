@@ -14,24 +14,30 @@ from sculler_hdl.compact.program import (
     short_majors,
 )
 from sculler_model.golden import Sample
-from sculler_model.stream import WORD_BITS, words_per_result
+from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
+from sculler_model.vectors import STATUS_RAIL
 from sculler_model.wordlength import Interval
 
 
 class Interpreter:
     """Runs a program sample by sample, as the engine does, and checks every range on the way.
 
+    No word that counts may be read before it is written, for nobody knows what a memory holds.
     Stores take effect `delay` instructions later (`Pipeline.store`), as in the engine.
     """
 
     def __init__(self, program: Program, delay: int) -> None:
         self.program = program
         self.delay = delay
-        self.memory = {m.name: list(m.initial) for m in (program.left, program.right)}
-        self.memory["result"] = [0] * words_per_result(program.design)
+        self.memory: dict[str, dict[int, int]] = {"left": {}, "right": {}, "result": {}}
+        self.other_bank: dict[int, int] = {}  # of results: not the one being filled
+        for load in program.startup:
+            memory = self.other_bank if load.other_bank else self.memory[load.memory]
+            memory[load.address] = load.value
         self.samples: list[list[int]] = []  # digits of each sample, newest last
         self.t = 0
         self.fault = 0
+        self.rail = 0
 
     def step(self, sample: Sample) -> list[int] | None:
         """Take a sample; the words of the result on a major interval's last, else None."""
@@ -46,6 +52,8 @@ class Interpreter:
             ]
         )
         self.fault |= fault
+        for counts, number in ((gyro, design.words.gyro), (accel, design.words.accel)):
+            self.rail |= int(number.lo in counts or number.hi in counts)
         n, length = design.algorithm.samples, design.samples_per_major
         phase, major = self.t % n + 1, self.t // length
         first_minor = self.t % length < n
@@ -63,8 +71,13 @@ class Interpreter:
         self.t += 1
         if self.t % length:
             return None
-        self.fault = 0
-        return [word & (1 << WORD_BITS) - 1 for word in self.memory["result"]]
+        filled = self.memory["result"]
+        self.memory["result"], self.other_bank = self.other_bank, filled
+        words = [filled[word] & (1 << WORD_BITS) - 1 for word in range(words_per_result(design))]
+        # the engine puts it in where the status is stored
+        words[design.columns.index("status") * words_per_column(design)] |= STATUS_RAIL * self.rail
+        self.fault = self.rail = 0
+        return words
 
     def _digits(self, count: int, needed: int) -> list[int]:
         """A count's digits, padded with words that nothing reads."""
@@ -79,10 +92,10 @@ class Interpreter:
             while late and late[0][0] <= now:
                 _, memory, address, digit = late.pop(0)
                 self.memory[memory][address] = digit
-            left = (
-                self.memory["left"][instruction.left.address] if conditions[instruction.when] else 0
-            )
-            product = _in(OPERAND, left) * _in(OPERAND, self._right(instruction))
+            product = 0
+            if conditions[instruction.when]:
+                left = self.memory["left"][instruction.left.address]
+                product = _in(OPERAND, left) * _in(OPERAND, self._right(instruction))
             base = {Base.CLEAR: 0, Base.KEEP: accumulator, Base.SHIFT: accumulator >> WORD_BITS}
             accumulator = base[instruction.base] + (-product if instruction.subtract else product)
             _in(self.program.accumulator, accumulator)

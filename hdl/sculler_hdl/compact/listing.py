@@ -9,6 +9,7 @@ from sculler_hdl.compact.pipeline import pipeline
 from sculler_hdl.compact.program import (
     Base,
     Instruction,
+    Load,
     Memory,
     SampleWord,
     When,
@@ -82,7 +83,14 @@ def _lines(design: Design) -> Iterator[str]:
     yield from _map("Left memory", made.left)
     yield ""
     yield from _map("Right memory", made.right)
-    start = 0
+    start = code.startup
+    yield ""
+    yield (
+        f"After reset: program words 0 to {start - 1} write what no instruction writes"
+        f" before it counts;\nthe first sample is taken {clocks.startup} clocks after it at the"
+        " earliest"
+    )
+    yield from map(_load, made.startup)
     for phase, instructions in made.phases.items():
         yield ""
         yield (
@@ -103,6 +111,11 @@ def _map(title: str, memory: Memory) -> Iterator[str]:
     across = max(1, 100 // width)
     for first in range(0, len(cells), across):
         yield "".join(cell.ljust(width) for cell in cells[first : first + across]).rstrip()
+
+
+def _load(load: Load) -> str:
+    bank = " of the other bank" if load.other_bank else ""
+    return f"      {_MEMORY[load.memory]}{load.address} = {load.value}{bank}"
 
 
 def _columns(instruction: Instruction) -> str:

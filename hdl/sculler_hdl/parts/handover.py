@@ -10,7 +10,7 @@ from sculler_hdl.parts.layout import vector
 from sculler_hdl.parts.words import Arrival, FlagLine, spans
 from sculler_model.cycles import PORT_MAJOR_BITS
 from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS, VECTORS, columns_of
+from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS, STATUS_BITS, VECTORS, columns_of
 from sculler_model.wordlength import WordLengths
 
 Arrivals = Mapping[str, list[Arrival]]
@@ -145,13 +145,13 @@ class HandOver(wiring.Component):
         super().__init__(
             {
                 "major_end": In(1),
-                "status": In(2),
+                "status": In(STATUS_BITS),
                 "input": In(self.layout),
                 "ready": In(1),
                 "valid": Out(1),
                 "taken": Out(1),
                 "shown_major": Out(unsigned(PORT_MAJOR_BITS)),
-                "shown_status": Out(2),
+                "shown_status": Out(STATUS_BITS),
                 "output": Out(self.layout),
             }
         )
@@ -240,7 +240,7 @@ class StreamHandOver(wiring.Component):
         super().__init__(
             {
                 "major_end": In(1),
-                "status": In(2),
+                "status": In(STATUS_BITS),
                 "input": In(layout),
                 "ready": In(1),
                 "valid": Out(1),

@@ -17,6 +17,7 @@ class Sequencer(wiring.Component):
 
     Members:
         sample_valid, sample_ready, sample_fault: the sample port's handshake.
+        sample_lost (in): one was lost before the sample taken in this clock.
         result_taken (in): the host takes the waiting result, to its last word, in this clock.
         taken (out): a sample is taken in this clock.
         launch: one whose phase has a non-zero tap row, or is its minor interval's last.
@@ -27,6 +28,7 @@ class Sequencer(wiring.Component):
         short: a tap or weight in use, or high-resolution position, reached before the first sample
             since reset.
         fault: the sensor's own mark.
+        lost: a sample was lost before it.
     Where no sample was taken these mean nothing.
 
     Args:
@@ -45,6 +47,7 @@ class Sequencer(wiring.Component):
                 "sample_valid": In(1),
                 "sample_ready": Out(1, init=1),
                 "sample_fault": In(1),
+                "sample_lost": In(1),
                 "result_taken": In(1),
                 "taken": Out(1),
                 "launch": Out(1),
@@ -54,6 +57,7 @@ class Sequencer(wiring.Component):
                 "first": Out(1),
                 "short": Out(1),
                 "fault": Out(1),
+                "lost": Out(1),
             }
         )
 
@@ -144,5 +148,6 @@ class Sequencer(wiring.Component):
             self.phase.eq(phase),
             self.first.eq(first),
             self.fault.eq(self.sample_fault),
+            self.lost.eq(self.sample_lost),
         ]
         return m
