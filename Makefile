@@ -57,7 +57,7 @@ test-lowest:
 	$(LOWEST)/bin/pytest -n auto --dist worksteal -q -W ignore::DeprecationWarning $(LOWEST_TESTS)
 
 LOWEST_TESTS := tests/model tests/cli tests/hdl/test_verilog.py tests/sim/test_verilator_build.py \
-  tests/sim/test_waves.py tests/sim/test_vectors_file.py
+  tests/sim/test_waves.py tests/sim/test_vectors_file.py --ignore=tests/cli/test_base_install.py
 
 lint: $(READY)
 	$(BIN)/ruff format --check .

@@ -5,8 +5,11 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import NamedTuple
 
 from sculler_model.errors import InputError
@@ -57,25 +60,26 @@ def run(
     started: list[subprocess.Popen[str]] = []
     try:
         for command in commands:
-            try:
-                process = subprocess.Popen(
-                    command,
-                    cwd=folder,
-                    env=environment,
-                    stdin=subprocess.DEVNULL if given is None else subprocess.PIPE,
-                    stdout=subprocess.PIPE,
-                    stderr=subprocess.STDOUT,
-                    encoding="utf-8",
-                    errors="replace",
-                    start_new_session=True,
-                )
-            except OSError as error:
-                raise InputError(
-                    f"{command[0]}: cannot be run ({error.strerror}), install it again or choose"
-                    " another"
-                ) from error
-            started.append(process)
-            _running.add(process)
+            with _signals_wait():
+                try:
+                    process = subprocess.Popen(
+                        command,
+                        cwd=folder,
+                        env=environment,
+                        stdin=subprocess.DEVNULL if given is None else subprocess.PIPE,
+                        stdout=subprocess.PIPE,
+                        stderr=subprocess.STDOUT,
+                        encoding="utf-8",
+                        errors="replace",
+                        start_new_session=True,
+                    )
+                except OSError as error:
+                    raise InputError(
+                        f"{command[0]}: cannot be run ({error.strerror}), install it again or"
+                        " choose another"
+                    ) from error
+                started.append(process)
+                _running.add(process)
         said = [process.communicate(given)[0] for process in started]
         return [
             Ended(process.returncode, text) for process, text in zip(started, said, strict=True)
@@ -84,6 +88,29 @@ def run(
         for process in started:
             _end(process)
             _running.discard(process)
+
+
+@contextmanager
+def _signals_wait() -> Iterator[None]:
+    """Within it a signal that raises waits: a program that was just started must not be lost."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # where signals do not come
+        return
+    came: list[tuple[int, FrameType | None]] = []
+    before: dict[int, Callable[[int, FrameType | None], object]] = {}
+    number: int
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        handler = signal.getsignal(number)
+        if callable(handler):
+            before[number] = handler
+            signal.signal(number, lambda *of: came.append(of))
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for number, frame in came[:1]:
+            before[number](number, frame)
 
 
 def end_all() -> None:

@@ -123,7 +123,7 @@ class Bench:
         status = self._quietly(lambda: self._main(case.words)) if warming else self._child(case)
         taken = time.monotonic() - began
         out, err = ((self._ours / name).read_text("utf-8", "replace") for name in ("out", "err"))
-        what = _verdict(status, err, taken)
+        what = verdict(status, err, taken)
         left = self._tidy(case, status)
         if what is None and left:
             what = f"leaves {left}"
@@ -217,7 +217,7 @@ class Bench:
                 os._exit(status)
 
 
-def _verdict(status: int, err: str, taken: float) -> str | None:
+def verdict(status: int, err: str, taken: float) -> str | None:
     """What is wrong with how a case ended; None: nothing."""
     if taken > SECONDS:
         return f"takes {taken:.0f} s"

@@ -203,7 +203,7 @@ def command(
     from sculler.logs import LogWriter
     from sculler.origin import write_origin
     from sculler.readers import timing_told
-    from sculler.readers.preparation import Watch, differenced, signed, unstamped
+    from sculler.readers.preparation import Watch, bounded, differenced, signed, unstamped
     from sculler.readers.timing import Timing, resampled
     from sculler_model import inputs
     from sculler_model.errors import InputError
@@ -223,7 +223,7 @@ def command(
         without_stamps = options["time_column"] == "none"
         if without_stamps:
             options["time_column"] = None
-        recording = _open(log, log_format, design, advance, options)
+        recording = bounded(log, _open(log, log_format, design, advance, options))
         recording = signed(recording, _signs(options))
         differences = _differences(log, recording, cumulative, cumulative_of, cumulative_bits)
         if differences is not None:

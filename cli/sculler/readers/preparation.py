@@ -4,17 +4,55 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sculler.conversion import si_of_unit
 from sculler.logs import COUNTS
 from sculler.readers import Recording, Samples
 from sculler.readers.running_sums import Differences, SumsSuspicion
 from sculler_model.design import Design
+from sculler_model.errors import InputError
 from sculler_model.plausibility import Plausibility, told
 
 _GRAVITY = 9.80665  # m/s²
+
+
+LARGEST, LONGEST = 1e30, 1e12
+"""What no sensor gives in any unit, and no recording lasts (s): bytes of something else."""
+
+
+def bounded(path: Path, recording: Recording) -> Recording:
+    """The recording, refused where its numbers cannot be readings.
+
+    Args:
+        path: for the message.
+        recording: as a reader gives it.
+
+    Raises (as its samples are drawn):
+        InputError: a value or a time is out of all bounds.
+    """
+
+    def chunks() -> Iterator[Samples]:
+        first = 0
+        for chunk in recording.chunks:
+            tables: list[tuple[NDArray[np.float64], float, Sequence[str]]]
+            tables = [(chunk.values, LARGEST, COUNTS)]
+            if chunk.times is not None:
+                tables.append((chunk.times[:, None], LONGEST, ("time (s from the first)",)))
+            for table, most, names in tables:
+                if table.size and max(table.max(), -table.min()) > most:
+                    row, at = (int(i) for i in np.argwhere(np.abs(table) > most)[0])
+                    raise InputError(
+                        f"{path}: sample {first + row}: {names[at]} is {table[row, at]:.3g}, which"
+                        " no sensor gives; check --format and the columns"
+                    )
+            first += len(chunk.values)
+            yield chunk
+
+    return replace(recording, chunks=chunks())
 
 
 def signed(recording: Recording, signs: Sequence[float]) -> Recording:
