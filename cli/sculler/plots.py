@@ -141,8 +141,8 @@ def navigation_pictures(
     """
     (path,) = navigation_picture_paths(output)
     north, east = from_above(history, history)
-    scale, unit = time_scale(history.time)
-    t = history.time / scale
+    axis = TimeAxis(history.time)
+    t = axis.t
     factor, speed = fitting("m/s", history.v)
     with new_figure(path, 15, 8) as figure:
         track, velocity, height, *attitude = figure.subplots(
@@ -153,14 +153,14 @@ def navigation_pictures(
             (("north", BLUE), ("east", VERMILION), ("down", GREEN))
         ):
             velocity.plot(t, factor * history.v[:, column], color=colour, label=name)
-        velocity.set(title="Velocity", ylabel=speed, xlabel=f"time ({unit})")
+        velocity.set(title="Velocity", ylabel=speed, xlabel=axis.label)
         legend(velocity)
         height.plot(t, history.h, color=BLUE)
-        height.set(title="Height over the ellipsoid", ylabel="m", xlabel=f"time ({unit})")
+        height.set(title="Height over the ellipsoid", ylabel="m", xlabel=axis.label)
         angles = np.unwrap(np.degrees(history.euler), period=360, axis=0)  # no jump at ±180°
         for k, (axes, name) in enumerate(zip(attitude, ("Roll", "Pitch", "Heading"), strict=True)):
             axes.plot(t, angles[:, k], color=GREEN)
-            axes.set(title=name, ylabel="degrees", xlabel=f"time ({unit})")
+            axes.set(title=name, ylabel="degrees", xlabel=axis.label)
             if sigma is not None:
                 within(axes, t, angles[:, k], sigma[k])
     return [path]
@@ -192,10 +192,36 @@ def fitting(unit: str, *values: Array) -> tuple[float, str]:
     return float(1000**step), SMALLER[unit][step]
 
 
-def time_scale(time: Array) -> tuple[float, str]:
-    """Seconds per unit of the time axis, and the unit."""
-    length = float(time[-1] - time[0])
-    return (1.0, "s") if length < 1000 else (60.0, "min") if length < 4 * 3600 else (3600.0, "h")
+LONG_CLOCK = 100
+"""Lengths of a run after which its clock's numbers are too long for an axis."""
+
+
+class TimeAxis:
+    """Times as an axis shows them: in a fitting unit, on the log's own clock.
+
+    Where the clock began long before, the axis counts from a whole second that its label names.
+
+    Args:
+        time: (N,) s.
+
+    Attributes:
+        t: (N,) to draw at.
+        label: of the axis.
+    """
+
+    def __init__(self, time: Array) -> None:
+        length = float(time[-1] - time[0])
+        self._scale, unit = (3600.0, "h") if length >= 4 * 3600 else (60.0, "min")
+        if length < 1000:
+            self._scale, unit = 1.0, "s"
+        far = abs(float(time[0])) > LONG_CLOCK * max(length, 1.0)
+        self._origin = float(np.floor(time[0])) if far else 0.0
+        self.t: Array = self.at(time)
+        self.label = f"time ({unit}) after {self._origin:.0f} s" if far else f"time ({unit})"
+
+    def at(self, time: Array) -> Array:
+        """Where to draw other times (s)."""
+        return (time - self._origin) / self._scale
 
 
 def _track(axes: Axes, tracks: Mapping[str, tuple[Array, Array, str, float]]) -> None:

@@ -15,11 +15,11 @@ from sculler.plots import (
     GREEN,
     GREY,
     VERMILION,
+    TimeAxis,
     fitting,
     from_above,
     legend,
     new_figure,
-    time_scale,
 )
 from sculler.terminal import three_digits
 from sculler_model.navigation import NavHistory
@@ -75,8 +75,8 @@ def _errors(
     path: Path, errors: NavErrors, told: tuple[str, ...], sigma: Sequence[float] | None
 ) -> None:
     """Level components on the left; heading and the vertical, which runs its own way, right."""
-    scale, unit = time_scale(errors.time)
-    t = errors.time / scale
+    axis = TimeAxis(errors.time)
+    t = axis.t
     with new_figure(path, 12, 9) as figure:
         grid: Any = figure.subplots(len(told), 2, sharex=True, squeeze=False)
         for panels, quantity in zip(grid, told, strict=True):
@@ -97,9 +97,9 @@ def _errors(
                 _known_to(level, t, fitting(of, north, east)[0] * size * max(sigma[:2]))
                 _known_to(vertical, t, factor * size * sigma[2])
             for axes in panels:
-                _mark_schuler(axes, errors.time, scale)
+                _mark_schuler(axes, errors.time, axis)
         for axes in grid[-1]:
-            axes.set_xlabel(_time_label(errors.time, unit))
+            axes.set_xlabel(_time_label(errors.time, axis))
 
 
 def _known_to(axes: Axes, t: Array, sigma: float) -> None:
@@ -113,8 +113,8 @@ def _known_to(axes: Axes, t: Array, sigma: float) -> None:
 
 
 def _growth(path: Path, errors: NavErrors, growth: float) -> None:
-    scale, unit = time_scale(errors.time)
-    t = errors.time / scale
+    axis = TimeAxis(errors.time)
+    t = axis.t
     factor, shown = fitting("m", errors.horizontal)
     with new_figure(path, 9, 5.5) as figure:
         axes = figure.subplots()
@@ -123,10 +123,10 @@ def _growth(path: Path, errors: NavErrors, growth: float) -> None:
         axes.plot(t, factor * errors.horizontal, color=BLUE, label="horizontal error")
         axes.plot(t, factor * line, color=VERMILION, ls="--", label=rate)
         axes.set(title="Horizontal error", ylabel=shown, xlim=(t[0], t[-1]))
-        axes.set_xlabel(_time_label(errors.time, unit))
+        axes.set_xlabel(_time_label(errors.time, axis))
         axes.set_ylim(bottom=0)
         legend(axes)
-        _mark_schuler(axes, errors.time, scale)
+        _mark_schuler(axes, errors.time, axis)
         if float(errors.horizontal.max()) > 0.01 * NAUTICAL_MILE:
             size = factor * NAUTICAL_MILE
             both: Any = (lambda y: np.divide(y, size), lambda y: np.multiply(y, size))
@@ -135,10 +135,9 @@ def _growth(path: Path, errors: NavErrors, growth: float) -> None:
             miles.spines["right"].set_visible(True)
 
 
-def _mark_schuler(axes: Axes, time: Array, scale: float) -> None:
+def _mark_schuler(axes: Axes, time: Array, axis: TimeAxis) -> None:
     """A line after every Schuler period since the start."""
-    for count in range(1, 1 + _periods(time)):
-        x = (float(time[0]) + count * SCHULER_PERIOD) / scale
+    for x in axis.at(time[0] + SCHULER_PERIOD * np.arange(1, 1 + _periods(time))).tolist():
         axes.axvline(x, color=GREY, ls=":", lw=1)
 
 
@@ -146,9 +145,9 @@ def _periods(time: Array) -> int:
     return int(float(time[-1] - time[0]) / SCHULER_PERIOD)
 
 
-def _time_label(time: Array, unit: str) -> str:
+def _time_label(time: Array, axis: TimeAxis) -> str:
     """For the time axis, which says what the lines across it are."""
-    return f"time ({unit})" + (", dotted: Schuler periods of 84.4 min" if _periods(time) else "")
+    return axis.label + (", dotted: Schuler periods of 84.4 min" if _periods(time) else "")
 
 
 def _tracks(path: Path, estimate: NavHistory, truth: NavHistory, errors: NavErrors) -> None:

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from sculler.history import HistoryWriter
+from sculler.plots import TimeAxis
 from sculler_model.design import Design
 from sculler_model.instants import end_after_stamp, interval_end, interval_ends, stamp
 from sculler_model.motion import Curve, Motion, Turn
@@ -309,3 +310,14 @@ def test_the_definition(
     assert interval_end(design, 1) == pytest.approx(end, abs=1e-16)
     assert interval_end(design, -1) == pytest.approx(end - 0.02, abs=1e-16)
     assert end_after_stamp(design) == pytest.approx(end - last_sample, abs=1e-16)
+
+
+def test_an_axis_of_time_is_on_the_logs_clock_and_can_be_read() -> None:
+    plain = TimeAxis(np.array([4000.5, 4010.0, 4100.0]))
+    assert (plain.label, plain.t.tolist()) == ("time (s)", [4000.5, 4010.0, 4100.0])
+    hours = TimeAxis(np.array([0.0, 3600.0, 36_000.0]))
+    assert (hours.label, hours.t.tolist()) == ("time (h)", [0, 1, 10])
+    epoch = TimeAxis(1.4e9 + np.array([0.5, 60.0, 2000.0]))
+    assert epoch.label == "time (min) after 1400000000 s"
+    assert epoch.t == pytest.approx(np.array([0.5, 60, 2000]) / 60)
+    assert epoch.at(np.array([1.4e9 + 120]))[0] == 2
