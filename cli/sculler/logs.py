@@ -24,9 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.plain_rows import Rows, parse
+from sculler_model import inputs
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_sim.files import open_blocks
+from sculler_sim.files import MAX_LINE, endless_line
 
 COUNTS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 FAULT, TIME, SEQUENCE = "fault", "time_s", "sequence"
@@ -80,7 +81,8 @@ def read_log(
         if str(path) == "-":
             yield from _chunks(sys.stdin.buffer, _Layout(name, design), advance)
         else:
-            with open_blocks(path) as file:
+            inputs.note(path)
+            with Path(path).open("rb") as file:
                 chunks = _chunks(file, _Layout(name, design), advance)
                 # a pipe may wait for ever, and a thread that waits cannot be stopped
                 yield from _ahead(chunks) if Path(path).is_file() else chunks
@@ -235,7 +237,7 @@ def _chunks(
     header = file.readline(_MAX_HEADER)
     layout.read_header(header.rstrip(b"\r\n"))
     line = 2
-    for block in _whole_lines(file):
+    for block in _whole_lines(file, layout.name):
         if advance is not None:
             advance(len(block))
         if not block.endswith(b"\n"):
@@ -255,13 +257,19 @@ def _chunks(
         raise InputError(f"{layout.name}: the log has a header and no samples, give some")
 
 
-def _whole_lines(file: BinaryIO) -> Iterator[bytes]:
-    """Blocks of about `BLOCK_BYTES` that end with a line end, and what is left after the last."""
+def _whole_lines(file: BinaryIO, name: str) -> Iterator[bytes]:
+    """Blocks of about `BLOCK_BYTES` that end with a line end, and what is left after the last.
+
+    Raises:
+        InputError: a line is longer than `MAX_LINE`.
+    """
     rest = b""
     while block := file.read(BLOCK_BYTES):
         block = rest + block
         end = block.rfind(b"\n") + 1
         rest = block[end:]
+        if len(rest) > MAX_LINE:
+            raise endless_line(name)
         if end:
             yield block[:end]
     if rest:

@@ -190,8 +190,8 @@ def simulate_log(
 class _Source:
     """A log's samples for a core, `RESET` at its breaks; and what becomes of them.
 
-    It knows the instants at which major intervals end.  Results come in order, however late: each
-    takes the next end.
+    It knows the instants at which major intervals end.  Results come in order, however late, and a
+    core may have dropped some: each takes the next end of its own major interval.
 
     Attributes:
         has_times: whether the log has stamps, known from the first samples on.
@@ -203,20 +203,26 @@ class _Source:
         self._plausibility = Plausibility(design)
         self._samples = self._left_out = 0
         self._phase = 0  # samples in the interval that is not complete
-        self._ends: NDArray[np.float64] | None = None  # those whose results are still to come
+        self._major = 0  # the interval that is not complete
+        # major intervals whose results are still to come, and their ends
+        self._majors = np.zeros(0, np.int64)
+        self._ends: NDArray[np.float64] | None = None
 
     def __iter__(self) -> Iterator[tuple[NDArray[np.int64], NDArray[np.uint8] | None] | None]:
         span = self._design.samples_per_major
         for chunk in self._breaks(read_log(self._log, self._design, self._advance)):
             if isinstance(chunk, Break):
                 self._left_out += self._phase
-                self._phase = 0
+                self._phase = self._major = 0
                 yield RESET
                 continue
             if chunk.times is not None:
                 ends = chunk.times[span - 1 - self._phase :: span] + end_after_stamp(self._design)
                 self._ends = ends if self._ends is None else np.concatenate([self._ends, ends])
-            self._phase = (self._phase + len(chunk.counts)) % span
+                majors = self._major + np.arange(len(ends))
+                self._majors = np.concatenate([self._majors, majors])
+            complete, self._phase = divmod(self._phase + len(chunk.counts), span)
+            self._major += complete
             self._samples += len(chunk.counts)
             self._plausibility(chunk.counts, chunk.times)
             yield chunk.counts, chunk.faults
@@ -229,7 +235,12 @@ class _Source:
         """The next results with the instants of their ends, where the log has stamps."""
         if self._ends is None:
             return block
-        times, self._ends = self._ends[: len(block)], self._ends[len(block) :]
+        rows = np.arange(len(block))
+        if not np.array_equal(self._majors[: len(block)], block.major):  # some were dropped
+            rows = np.array(list(_places(self._majors.tolist(), block.major.tolist())), np.int64)
+        times = self._ends[rows]
+        gone = int(rows[-1]) + 1 if len(rows) else 0
+        self._majors, self._ends = self._majors[gone:], self._ends[gone:]
         return replace(block, times=times)
 
     def summary(
@@ -249,6 +260,14 @@ class _Source:
             implausible,
             clocks,
         )
+
+
+def _places(waiting: list[int], came: list[int]) -> Iterator[int]:
+    """Where each that came stands among those that were waited for, in order."""
+    place = -1
+    for major in came:
+        place = waiting.index(major, place + 1)
+        yield place
 
 
 def _write(

@@ -34,7 +34,7 @@ from amaranth.lib import wiring
 
 from sculler_hdl.parts.accumulate import Accumulation, Accumulator
 from sculler_hdl.parts.cross import SHARINGS, CrossArray, Crossing, Operand, Sharing
-from sculler_hdl.parts.handover import HandOver, Moves, StreamHandOver, complete_clock
+from sculler_hdl.parts.handover import LIMB, HandOver, Moves, StreamHandOver, complete_clock
 from sculler_hdl.parts.losses import Losses
 from sculler_hdl.parts.multiply import FRINGES
 from sculler_hdl.parts.position import Position, Positioning
@@ -54,7 +54,7 @@ from sculler_hdl.parts.words import (
 from sculler_hdl.ports import port_members
 from sculler_hdl.target import TARGETS
 from sculler_model.coefficients import TapTable
-from sculler_model.cycles import Timing
+from sculler_model.cycles import PORT_MAJOR_BITS, Dropping, Timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.stream import words_per_column
@@ -390,8 +390,19 @@ class Stages:
     def timing(self, spacing: int) -> Timing:
         """The clocks that it takes, if samples come in `spacing` clocks at the fastest."""
         timing = Timing(latency=complete_clock(self.arrivals) + 1, spacing=spacing)
-        gap = self.design.samples_per_major * spacing
-        hardware = self.design.hardware
+        hardware, span = self.design.hardware, self.design.samples_per_major
+        if self.design.drops_results:
+            stream = hardware.handover == "stream"
+            majors = words_per_column(self.design) if stream else PORT_MAJOR_BITS // LIMB
+            moves = Moves(self.arrivals, MAJOR_CLOCK, majors)
+            return Timing(
+                moves.latency,
+                max(spacing, -(-max(moves.least_gap, 2) // span)),
+                handover_spacing=1 if stream else moves.refill,
+                # the host's taking is seen a clock later, and acted on a clock after that
+                dropping=Dropping(moves.claim - 1, moves.refill),
+            )
+        gap = span * spacing
         may = TARGETS[hardware.target].two_results and hardware.handover == "parallel"
         if may and gap <= timing.latency:  # room for a second result wins clocks
             moves = Moves(self.arrivals, MAJOR_CLOCK)
@@ -446,12 +457,12 @@ class PipelinedCore(wiring.Component):
         self.stages = Stages(design, self.plan.way)
         self.sequencer = Sequencer(design, self.timing.spacing, self.timing.results)
         self.handover: HandOver | StreamHandOver
-        words, arrivals = design.words, self.stages.arrivals
+        words, arrivals, drops = design.words, self.stages.arrivals, design.drops_results
         if design.hardware.handover == "stream":
             columns = words_per_column(design)
-            self.handover = StreamHandOver(words, columns, arrivals, MAJOR_CLOCK)
+            self.handover = StreamHandOver(words, columns, arrivals, MAJOR_CLOCK, drops)
         else:
-            self.handover = HandOver(words, arrivals, MAJOR_CLOCK, self.timing.results)
+            self.handover = HandOver(words, arrivals, MAJOR_CLOCK, self.timing.results, drops)
         self.resources = {
             "multipliers": self.plan.tiles,
             "product_units": self.plan.units,
@@ -611,6 +622,11 @@ class PipelinedCore(wiring.Component):
             handover.ready.eq(self.result_ready),
             self.result_valid.eq(handover.valid),
         ]
+        if self.design.drops_results and handover.moves is not None:
+            m.d.comb += [
+                handover.claim.eq(ended.at(handover.moves.claim)),
+                self.results_dropped.eq(handover.dropped),
+            ]
         if isinstance(handover, StreamHandOver):
             m.d.comb += [self.result_data.eq(handover.data), self.result_last.eq(handover.last)]
             return m

@@ -175,6 +175,14 @@ def open_blocks(path: str | Path) -> BinaryIO:
     return io.BufferedReader(_Limited(raw, str(path)), MAX_LINE)
 
 
+def endless_line(name: str) -> InputError:
+    """The error of a file with a line of more than `MAX_LINE`."""
+    return InputError(
+        f"{name}: a line of more than {MAX_LINE >> 10} KiB, which is no row of a table; give a text"
+        " file with a row a line"
+    )
+
+
 class _Limited(io.RawIOBase):
     """A raw stream that refuses lines without end."""
 
@@ -191,10 +199,7 @@ class _Limited(io.RawIOBase):
         end = max(block.rfind(b"\n"), block.rfind(b"\r")) + 1
         self._since = count - end if end else self._since + count
         if self._since > MAX_LINE:
-            raise InputError(
-                f"{self._name}: a line of more than {MAX_LINE >> 10} KiB, which is no row of a"
-                " table; give a text file with a row a line"
-            )
+            raise endless_line(self._name)
         return count
 
     def close(self) -> None:

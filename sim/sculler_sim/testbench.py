@@ -7,6 +7,7 @@ It needs no Python to run: any simulator of Verilog-2001 does.  Inside,
   until it holds up the samples;
 * offers that are not taken are sometimes withdrawn, so that samples are lost; which, the bench sees
   for itself, and holds status bit 3 and `samples_lost` to it;
+* where the core drops results, some wait until others have been dropped behind them;
 * after a part of the samples, in mid-interval, reset is held for some clocks while a sample is
   offered; the rest of the samples then starts from nothing;
 * every result port is compared with the golden model's, bit for bit, when the result (or a word
@@ -27,8 +28,8 @@ from string import Template
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_hdl.ports import Port, result_ports, sample_ports
-from sculler_model.cycles import COUNTER_BITS, COUNTER_MAX, Timing
+from sculler_hdl.ports import Port, counter_ports, result_ports, sample_ports
+from sculler_model.cycles import COUNTER_MAX, Timing
 from sculler_model.design import Design
 from sculler_model.fast import run_fast
 from sculler_model.stream import to_words, words_per_column, words_per_result
@@ -38,6 +39,7 @@ from sculler_model.wordlength import Interval
 from sculler_sim.files import make_folder, replacing
 
 _SEED = 2001
+_DROPPING = 5  # major intervals after which a result has been dropped
 _CLOCKS = 3  # a sample; cores that take more get fewer samples than `Least` says
 
 Least = tuple[tuple[int, int], tuple[int, int]]
@@ -90,6 +92,8 @@ def testbench(
     # whole major intervals and a part of one (where one is more than a sample)
     per_major, phases = design.samples_per_major, design.algorithm.samples
     slowness = max(1, clocks_per_major(design, timing) // (_CLOCKS * per_major))
+    if design.drops_results:  # one waits until some are dropped
+        least = least[0], (max(least[1][0], _DROPPING), least[1][1])
     before, after = (
         max(intervals, -(-fewest // slowness // per_major)) * per_major + per_major // 2
         for intervals, fewest in least
@@ -99,6 +103,7 @@ def testbench(
     second = run_fast(design, samples[before:, :6], samples[before:, 6])  # after a reset
 
     inputs, outputs = sample_ports(design), result_ports(design)
+    counters = counter_ports(design)
     stream = design.hardware.handover == "stream"
     parts = words_per_result(design) if stream else 1
     expected: list[tuple[int, ...]] = [*first.rows(), *second.rows()]
@@ -133,7 +138,12 @@ def testbench(
         ),
         "lost_part": words_per_column(design) if stream else 0,
         "lost_bit": (STATUS_LOST.bit_length() - 1) + (0 if stream else outputs[0].bits),
-        "counter_bits": COUNTER_BITS,
+        "drops": int(design.drops_results),
+        "claim": timing.dropping.claim if timing.dropping else 0,
+        "refill": timing.dropping.refill if timing.dropping else timing.handover_spacing,
+        "counters": "\n".join(f"  wire [{port.bits - 1}:0] {port.name};" for port in counters),
+        "counter_connections": "\n".join(f"    .{port.name}({port.name})," for port in counters),
+        "counter_checks": "\n".join(_counter_checks(counters)),
         "counter_max": COUNTER_MAX,
         "timeout": 1000
         + 2 * timing.startup
@@ -252,4 +262,17 @@ def _checks(ports: list[Port]) -> Iterator[str]:
         yield f"    end else if (want_valid && {name} !== {wanted}) begin"
         yield f'      $display("FAIL: result %0d, word %0d, {name}: %0d, expected %0d",'
         yield f"               results, part, {name}, {wanted});"
+        yield "      fail;"
+
+
+_COUNTED = {"samples_lost": "lost", "results_dropped": "dropped"}
+"""What the bench counts of what each port does."""
+
+
+def _counter_checks(ports: list[Port]) -> Iterator[str]:
+    for port in ports:
+        counted = _COUNTED[port.name]
+        yield f"    end else if ({port.name} !== {counted}[{port.bits - 1}:0]) begin"
+        yield f'      $display("FAIL: clock %0d, {port.name}: %0d, expected %0d",'
+        yield f"               clock, {port.name}, {counted});"
         yield "      fail;"

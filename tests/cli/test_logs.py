@@ -311,3 +311,12 @@ def test_a_writer_wants_stamps_exactly_where_it_has_the_column(tmp_path: Path) -
             pytest.raises(ValueError, match="exactly where"),
         ):
             writer.write(counts, times=given)
+
+
+@pytest.mark.parametrize("head", [f"{HEADER}\n", f"{HEADER}\n{ROW}\n"])
+def test_a_line_without_end_is_refused_before_it_fills_the_memory(
+    tmp_path: Path, small: Design, head: str
+) -> None:
+    path = text(tmp_path, head + "1" * 3_000_000)
+    with pytest.raises(InputError, match="a line of more than 64 KiB, which is no row"):
+        read(path, small)

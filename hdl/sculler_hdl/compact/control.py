@@ -41,7 +41,7 @@ class Control(wiring.Component):
         result_taken (in): the last word of a result is taken in this clock.
         has_work (out): the phase of the sample that is being loaded, or comes next, has work.
         blocked (out): that sample ends a major interval, and the previous result is not taken
-            whole, not in this clock either.
+            whole, not in this clock either; never where the design drops results.
         conditions (out): of that sample.
     """
 
@@ -74,7 +74,6 @@ class Control(wiring.Component):
         m.d.comb += [
             minor_end.eq(phase == n - 1),
             self.has_work.eq(phase.matches(*(k - 1 for k in program(self.design).phases))),
-            self.blocked.eq(self.conditions.major_end & awaited & ~self.result_taken),
             self.conditions.first_minor.eq(minor == 0),
             self.conditions.first_major.eq(major == 0),
             self.conditions.major_end.eq(minor_end & (minor == minors - 1)),
@@ -83,6 +82,8 @@ class Control(wiring.Component):
             self.conditions.rail.eq(rail | self.rail),
             self.conditions.lost.eq(lost),
         ]
+        if not self.design.drops_results:
+            m.d.comb += self.blocked.eq(self.conditions.major_end & awaited & ~self.result_taken)
         with m.If(self.result_taken):
             m.d.sync += awaited.eq(0)
         m.d.sync += rail.eq(self.conditions.rail)

@@ -17,7 +17,7 @@ from sculler_hdl.compact.memory import BlockMemory
 from sculler_hdl.compact.microcode import timing
 from sculler_hdl.compact.program import OPERAND
 from sculler_hdl.compact.reader import Reader
-from sculler_hdl.parts.losses import Losses
+from sculler_hdl.parts.losses import Losses, event_counter
 from sculler_hdl.ports import port_members
 from sculler_model.design import Design
 from sculler_model.stream import WORD_BITS
@@ -109,4 +109,7 @@ class CompactCore(wiring.Component):
             self.result_data.eq(results.data),
             self.result_last.eq(reader.last),
         ]
+        if self.design.drops_results:
+            dropped = event_counter(m, reader.dropped, "results_dropped")
+            m.d.comb += self.results_dropped.eq(dropped)
         return m
