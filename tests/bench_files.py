@@ -44,12 +44,15 @@ def run_bench(design: Design, folder: Path, least: Least = LEAST) -> tuple[int, 
     done = shell(bench_of(design, folder, least)["icarus"], folder)
     assert done.stderr == ""
     counts = re.fullmatch(
-        r"PASS: (\d+) results of (\d+) samples in \d+ clocks, samples stalled in (\d+)\n",
+        r"PASS: (\d+) results of (\d+) samples in \d+ clocks, samples stalled in (\d+),"
+        r" (\d+) lost, (\d+) results dropped\n",
         done.stdout,
     )
     assert counts, done.stdout
     assert done.returncode == 0
-    results, samples, stalled = map(int, counts.groups())
+    results, samples, stalled, lost, dropped = map(int, counts.groups())
     assert results >= 3
-    assert stalled > 0
+    can_stall = not design.drops_results or timing(design).spacing > 1
+    assert (stalled > 0) == (lost > 0) == can_stall
+    assert (dropped > 0) == design.drops_results
     return results, samples, stalled

@@ -19,16 +19,7 @@ from sculler_sim.compare import compare
 from sculler_sim.engine import EngineName, simulate, trace
 from sculler_sim.stimulus import Stimulus
 from sculler_sim.vectors_file import VectorsWriter
-from strategies import Counts, random_counts
-
-Samples = tuple[Counts, NDArray[Any]]
-"""Counts (N, 6) and faults (N,)."""
-
-
-def samples_of(design: Design, samples: int, seed: int) -> Samples:
-    """Random counts, full-scale ones among them, and a few faults."""
-    rng = np.random.default_rng(seed)
-    return random_counts(design, samples, rng), (rng.random(samples) < 0.01).astype(int)
+from strategies import Counts, Samples, samples_of
 
 
 def golden(design: Design, counts: Counts, faults: NDArray[Any]) -> VectorBlock:
@@ -100,19 +91,21 @@ def check_resets(design: Design, folder: Path, samples: int, stimulus: Stimulus)
 def check_trace(
     design: Design, engine: EngineName, clocks: int, seeds: Iterable[int], least: int = 10
 ) -> None:
-    """All ports on all clocks, under stalls that bite and resets in mid-interval.
+    """All ports on all clocks, under stalls that bite, resets in mid-interval and lost samples.
 
     Args:
         design: the design.
         engine: the simulator whose trace is to equal the cycle model's.
         clocks: clocks of each run.
-        seeds: one run each.
+        seeds: one run each; at even ones the sensor gives samples up.
         least: clocks in which samples must have been stopped, and in which a result must have
             waited.
     """
-    stopped = waited = 0
+    stopped = waited = lost = 0
     for seed in seeds:
         stimulus = Stimulus.stalls(seed, 4 * clocks_of_major(design))
+        if seed % 2 == 0:
+            stimulus = stimulus.giving_up()
         resets = np.random.default_rng(seed).integers(clocks, size=3)
         stimulus = stimulus.with_resets(*resets.tolist(), int(resets[0]) + 1)
         counts, faults = samples_of(design, clocks, seed)
@@ -123,5 +116,7 @@ def check_trace(
         assert model.first_difference(shown) is None
         stopped += int((model.sample_ready == 0).sum())
         waited += int(model.result_valid.sum())
+        lost += int(model.counters[:, 0].max())
     assert waited > least
     assert stopped > least
+    assert lost > min(least, 0)

@@ -17,6 +17,9 @@ from sculler_model.design import Design
 
 Counts = NDArray[np.int64]
 
+Samples = tuple[Counts, NDArray[Any]]
+"""Counts (N, 6) and faults (N,)."""
+
 
 def make_design(
     name: str,
@@ -194,6 +197,28 @@ def random_counts(design: Design, samples: int, rng: np.random.Generator) -> Cou
     kind = np.where(rng.random((samples, 1)) < 0.3, each, runs[:samples])
     counts: Counts = np.take_along_axis(kinds, kind[np.newaxis], axis=0)[0]
     return counts
+
+
+def samples_of(design: Design, samples: int, seed: int) -> Samples:
+    """Random counts, full-scale ones among them, and a few faults.
+
+    About half of the major intervals come within one of the rails and do not stand at them; half of
+    the others do in one count alone.
+    """
+    rng = np.random.default_rng(seed)
+    counts, span = random_counts(design, samples, rng), design.samples_per_major
+    words = design.words
+    lo, hi = (
+        np.array([getattr(words.gyro, end)] * 3 + [getattr(words.accel, end)] * 3)
+        for end in ("lo", "hi")
+    )
+    calm = np.repeat(rng.random(samples // span + 1) < 0.75, span)[:samples]
+    counts[calm] = counts[calm].clip(lo + 1, hi - 1)
+    for first in range(0, samples - span, span):
+        if calm[first] and rng.random() < 0.33:
+            column = rng.integers(6)
+            counts[first + rng.integers(span), column] = rng.choice([lo[column], hi[column]])
+    return counts, (rng.random(samples) < 0.01).astype(int)
 
 
 @st.composite

@@ -87,6 +87,10 @@ class AgainstTruth:
         """Where a run can begin; see `Comparison.start`."""
         return self._comparison.start(instants)
 
+    def ended(self, time: float) -> bool:
+        """Whether the truth ends before a time; see `Comparison.ended`."""
+        return self._comparison.ended(time)
+
     def no_overlap(self, begin: float, end: float) -> InputError:
         """What to say of a run that has nothing in common with the truth."""
         return self._comparison.no_overlap(begin, end)
@@ -197,6 +201,7 @@ def _left_out(errors: dict[str, Any]) -> str:
         "run_after": "{} s of the run after it ends",
         "truth_before": "{} s of the truth before the run begins",
         "truth_after": "{} s of the truth after it ends",
+        "run_in_gaps": "{} s of the run in gaps of the truth",
     }
     left = errors["left_out_s"]
     return ", ".join(

@@ -48,6 +48,14 @@ STATUSES = {
 }
 """By key in JSON: status bits that are told, and what they say of a result."""
 
+BEFORE, NOTHING = "before the run", "nothing is navigated after it, for the truth begins later"
+FROM_TRUTH, ALIGNED = "begun anew from the truth", "aligned anew"
+CARRIED = "attitude and velocity are taken over it, the position goes on with the velocity"
+"""What became of a break."""
+
+BREAKS_TOLD = 5
+"""Breaks that get a warning of their own; the others are counted."""
+
 
 class Given(NamedTuple):
     """What the user says of the initial state; None for what is left out.
@@ -182,6 +190,7 @@ class NavigationRun:
         self._first: FirstSeconds | None = None
         self._span: tuple[float, float] | None = None  # of the vectors so far
         self._over = False
+        self._bias: FineAlignment | None = None
         self._begin()
 
     def _begin(self) -> None:
@@ -190,7 +199,6 @@ class NavigationRun:
         self._edge: float | None = None  # where the next interval begins
         self._window: list[MajorIncrements] = []  # to align with
         self._window_from = 0.0
-        self._bias: FineAlignment | None = None
         self._third_order = ThirdOrder() if self._plan.third_order else None
         self._left_out = 0
 
@@ -222,7 +230,9 @@ class NavigationRun:
         self._edge = float(times[-1])
         self._span = (edge if self._span is None else self._span[0], self._edge)
         if self._navigator is None:
-            begin = self._aligned if plan.align is not None else self._started
+            anew = self.seen.start is not None and self._reference is not None
+            align = plan.align is not None and not anew
+            begin = self._aligned if align else self._started
             increments = begin(increments, np.concatenate([[edge], times[:-1]]))
         if self._navigator is not None and len(increments):
             self._carry(self._navigator, increments)
@@ -255,27 +265,36 @@ class NavigationRun:
                     " begins the run; give a time inside the truth"
                 )
             return row, plan.given.state(time, None if start is None else start.state)
-        if reference is not None:
-            start = reference.start(begins)
-            if start is None:
-                return None
+        start = None if reference is None else reference.start(begins)
+        if start is not None:
             time = float(begins[start.row])
-            if start.interpolated:
+            if start.interpolated and last is None:
                 self.seen.warnings.append(
-                    f"the truth has no row at the end of a major interval, so the state at"
+                    "the truth has no row at the end of a major interval, so the state at"
                     f" {time:.15g} s, with which the run begins, is interpolated between two"
                 )
             if last is None:
                 return start.row, plan.given.state(time, start.state)
             # what the truth does not tell goes on as without it
-            carried = coasted(last, time - last.time)
-            return start.row, Given((None,) * 3, (None,) * 3, (None,) * 3).state(
-                time, _completed(start.state, carried)
-            )
+            self._then(FROM_TRUTH)
+            return start.row, _completed(start.state, coasted(last, time - last.time))
         time = float(begins[0])
-        if last is not None:
-            return 0, coasted(last, time - last.time)
-        return 0, plan.given.state(time, None)
+        if reference is not None and not (last is not None and reference.ended(time)):
+            return None  # it may begin later
+        if last is None:
+            return 0, plan.given.state(time, None)
+        self._then(CARRIED)
+        return 0, coasted(last, time - last.time)
+
+    def _then(self, how: str) -> None:
+        """Say what became of the last break."""
+        found = self.seen.breaks[-1]
+        found["then"] = how
+        if len(self.seen.breaks) <= BREAKS_TOLD:
+            self.seen.warnings.append(
+                f"a break of {found['seconds']:.6g} s before line {found['line']}"
+                f" ({found['what']}): {how}"
+            )
 
     def _asked(self, start: float, begins: Array, cut: bool) -> int | None:
         """The row at which --start wants to begin; None if it comes later."""
@@ -333,6 +352,8 @@ class NavigationRun:
             self.seen.alignment, self.seen.fine = coarse, self._bias
             self.seen.left_out = self._left_out
         self.seen.warnings += (self._bias or coarse).warnings
+        if self.seen.start is not None:
+            self._then(ALIGNED)
         self._go(state._replace(time=float(window.times[-1])))
         return increments[wanted:]
 
@@ -406,24 +427,9 @@ class NavigationRun:
             raise InputError(
                 f"{where}, inside the window of --align; give a shorter one, or cut the log"
             )
-        how = "before the run"
-        if self._navigator is not None:
-            how = "carried over"
-            if plan.align is not None:
-                how = "aligned anew"
-            if self._reference is not None:
-                how = "begun anew from the truth"
-            self.seen.warnings.append(
-                f"a break of {found.seconds:.6g} s before line {found.line} ({found.what}):"
-                + (
-                    " attitude and velocity are taken over it, the position goes on with the"
-                    " velocity"
-                    if how == "carried over"
-                    else f" {how}"
-                )
-            )
+        then = BEFORE if self.seen.start is None else NOTHING
         self.seen.breaks.append(
-            {"line": found.line, "what": found.what, "seconds": found.seconds, "then": how}
+            {"line": found.line, "what": found.what, "seconds": found.seconds, "then": then}
         )
         self._oddities.begin()
         if self._reference is not None:
@@ -432,7 +438,9 @@ class NavigationRun:
 
     def _finish(self) -> None:
         plan, seen = self._plan, self.seen
-        if plan.align is not None and self._navigator is None:
+        if seen.breaks and seen.breaks[-1]["then"] == NOTHING and self._reference is not None:
+            self._then(NOTHING)
+        elif plan.align is not None and self._navigator is None:
             seconds = sum(map(len, self._window)) * self._T
             after = " after the last break" if seen.breaks else ""
             raise InputError(
@@ -457,6 +465,8 @@ class NavigationRun:
             seen.warnings.append(
                 f"{plural(count, 'result')} {STATUSES[key][1]}, the first one ends at {time:.15g} s"
             )
+        if len(seen.breaks) > BREAKS_TOLD:
+            seen.warnings.append(f"{plural(len(seen.breaks) - BREAKS_TOLD, 'more break')}")
         seen.warnings += self._oddities.finish()
 
 

@@ -21,7 +21,7 @@ from sculler_model.fast import FastModel
 from sculler_model.golden import GoldenModel, Sample
 from sculler_model.instants import end_after_stamp
 from sculler_model.plausibility import Plausibility, told
-from sculler_model.vectors import STATUS_FAULT, STATUS_SHORT_HISTORY
+from sculler_model.vectors import STATUS_FAULT, STATUS_LOST, STATUS_RAIL, STATUS_SHORT_HISTORY
 from sculler_sim.engine import simulate
 from sculler_sim.run import RESET
 from sculler_sim.stimulus import Stimulus
@@ -39,7 +39,7 @@ class Summary:
         design: the design.
         samples: samples taken.
         results: rows written, one for each complete major interval.
-        short_history, faults: how many of them carry status bit 0, bit 1.
+        short_history, faults, rails, losses: how many of them carry status bit 0, 1, 2, 3.
         left_out: samples in intervals that the log's end or a break cut short.
         elapsed: seconds of work.
         breaks: what the log's stamps and its counter showed.
@@ -52,6 +52,8 @@ class Summary:
     results: int
     short_history: int
     faults: int
+    rails: int
+    losses: int
     left_out: int
     elapsed: float
     breaks: BreakFinder
@@ -73,6 +75,8 @@ class Summary:
             "leftover_samples": self.left_out,
             "short_history_results": self.short_history,
             "fault_results": self.faults,
+            "rail_results": self.rails,
+            "loss_results": self.losses,
             "elapsed_s": self.elapsed,
             "samples_per_s": self.samples / self.elapsed,
         }
@@ -103,6 +107,10 @@ class Summary:
             )
         if self.faults:
             rows["status bit 1"] = f"{plural(self.faults, 'result')} with faulty samples"
+        if self.rails:
+            rows["status bit 2"] = f"{plural(self.rails, 'result')} with counts at their rails"
+        if self.losses:
+            rows["status bit 3"] = f"{plural(self.losses, 'result')} with samples lost"
         if self.clocks is not None:
             rows["clocks"] = f"{self.clocks:,}"
         for bits, times in self.breaks.wraps.items():
@@ -182,8 +190,8 @@ def simulate_log(
 class _Source:
     """A log's samples for a core, `RESET` at its breaks; and what becomes of them.
 
-    It knows the instants at which major intervals end.  Results come in order, however late: each
-    takes the next end.
+    It knows the instants at which major intervals end.  Results come in order, however late, and a
+    core may have dropped some: each takes the next end of its own major interval.
 
     Attributes:
         has_times: whether the log has stamps, known from the first samples on.
@@ -195,20 +203,26 @@ class _Source:
         self._plausibility = Plausibility(design)
         self._samples = self._left_out = 0
         self._phase = 0  # samples in the interval that is not complete
-        self._ends: NDArray[np.float64] | None = None  # those whose results are still to come
+        self._major = 0  # the interval that is not complete
+        # major intervals whose results are still to come, and their ends
+        self._majors = np.zeros(0, np.int64)
+        self._ends: NDArray[np.float64] | None = None
 
     def __iter__(self) -> Iterator[tuple[NDArray[np.int64], NDArray[np.uint8] | None] | None]:
         span = self._design.samples_per_major
         for chunk in self._breaks(read_log(self._log, self._design, self._advance)):
             if isinstance(chunk, Break):
                 self._left_out += self._phase
-                self._phase = 0
+                self._phase = self._major = 0
                 yield RESET
                 continue
             if chunk.times is not None:
                 ends = chunk.times[span - 1 - self._phase :: span] + end_after_stamp(self._design)
                 self._ends = ends if self._ends is None else np.concatenate([self._ends, ends])
-            self._phase = (self._phase + len(chunk.counts)) % span
+                majors = self._major + np.arange(len(ends))
+                self._majors = np.concatenate([self._majors, majors])
+            complete, self._phase = divmod(self._phase + len(chunk.counts), span)
+            self._major += complete
             self._samples += len(chunk.counts)
             self._plausibility(chunk.counts, chunk.times)
             yield chunk.counts, chunk.faults
@@ -221,11 +235,16 @@ class _Source:
         """The next results with the instants of their ends, where the log has stamps."""
         if self._ends is None:
             return block
-        times, self._ends = self._ends[: len(block)], self._ends[len(block) :]
+        rows = np.arange(len(block))
+        if not np.array_equal(self._majors[: len(block)], block.major):  # some were dropped
+            rows = np.array(list(_places(self._majors.tolist(), block.major.tolist())), np.int64)
+        times = self._ends[rows]
+        gone = int(rows[-1]) + 1 if len(rows) else 0
+        self._majors, self._ends = self._majors[gone:], self._ends[gone:]
         return replace(block, times=times)
 
     def summary(
-        self, counted: tuple[int, int, int], elapsed: float, clocks: int | None = None
+        self, counted: tuple[int, int, int, int, int], elapsed: float, clocks: int | None = None
     ) -> Summary:
         """What the run did, once all samples are through."""
         left_out = self._left_out + self._phase
@@ -243,21 +262,31 @@ class _Source:
         )
 
 
+def _places(waiting: list[int], came: list[int]) -> Iterator[int]:
+    """Where each that came stands among those that were waited for, in order."""
+    place = -1
+    for major in came:
+        place = waiting.index(major, place + 1)
+        yield place
+
+
 def _write(
     design: Design, blocks: Iterable[VectorBlock], output: Path, times: bool | None = None
-) -> tuple[int, int, int]:
-    """Write the vectors; results in all, with short history, with faults.
+) -> tuple[int, int, int, int, int]:
+    """Write the vectors; results in all, and those with each of the status bits 0 to 3.
 
     Whether there are times, the blocks tell where `times` does not.
     """
-    results = short = faults = 0
+    results = 0
+    marked = dict.fromkeys((STATUS_SHORT_HISTORY, STATUS_FAULT, STATUS_RAIL, STATUS_LOST), 0)
     with VectorsWriter(output, design.columns, times) as writer:
         for block in blocks:
             writer.write(block)
             results += len(block)
-            short += int(((block.status & STATUS_SHORT_HISTORY) != 0).sum())
-            faults += int(((block.status & STATUS_FAULT) != 0).sum())
-    return results, short, faults
+            for bit in marked:
+                marked[bit] += int(((block.status & bit) != 0).sum())
+    short, faults, rails, losses = marked.values()
+    return results, short, faults, rails, losses
 
 
 class _Reference:

@@ -29,12 +29,13 @@ from functools import lru_cache
 from itertools import pairwise, product
 from typing import NamedTuple
 
-from amaranth import Module, Mux, Signal, Value
+from amaranth import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 
 from sculler_hdl.parts.accumulate import Accumulation, Accumulator
 from sculler_hdl.parts.cross import SHARINGS, CrossArray, Crossing, Operand, Sharing
-from sculler_hdl.parts.handover import HandOver, Moves, StreamHandOver, complete_clock
+from sculler_hdl.parts.handover import LIMB, HandOver, Moves, StreamHandOver, complete_clock
+from sculler_hdl.parts.losses import Losses
 from sculler_hdl.parts.multiply import FRINGES
 from sculler_hdl.parts.position import Position, Positioning
 from sculler_hdl.parts.running_sum import Running, RunningSum
@@ -53,7 +54,7 @@ from sculler_hdl.parts.words import (
 from sculler_hdl.ports import port_members
 from sculler_hdl.target import TARGETS
 from sculler_model.coefficients import TapTable
-from sculler_model.cycles import Timing
+from sculler_model.cycles import PORT_MAJOR_BITS, Dropping, Timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.stream import words_per_column
@@ -68,7 +69,11 @@ MINOR_CLOCK = 2
 POSITION_CLOCK = 2
 """At which high-resolution position does."""
 MAJOR_CLOCK = 3
-"""At which the hand-over is told that a result comes; its status follows a clock later."""
+"""At which the hand-over is told that a result comes."""
+STATUS_CLOCK = MAJOR_CLOCK + 1
+"""At which its status is there."""
+RAIL_BITS = 12
+"""Bits of a count that are held against its rail together."""
 LATENCY_GOAL = 24
 """Clocks from an interval's last sample to its result that sharing is not to pass."""
 POSITION_LATENCY_GOAL = 32
@@ -385,8 +390,19 @@ class Stages:
     def timing(self, spacing: int) -> Timing:
         """The clocks that it takes, if samples come in `spacing` clocks at the fastest."""
         timing = Timing(latency=complete_clock(self.arrivals) + 1, spacing=spacing)
-        gap = self.design.samples_per_major * spacing
-        hardware = self.design.hardware
+        hardware, span = self.design.hardware, self.design.samples_per_major
+        if self.design.drops_results:
+            stream = hardware.handover == "stream"
+            majors = words_per_column(self.design) if stream else PORT_MAJOR_BITS // LIMB
+            moves = Moves(self.arrivals, MAJOR_CLOCK, majors)
+            return Timing(
+                moves.latency,
+                max(spacing, -(-max(moves.least_gap, 2) // span)),
+                handover_spacing=1 if stream else moves.refill,
+                # the host's taking is seen a clock later, and acted on a clock after that
+                dropping=Dropping(moves.claim - 1, moves.refill),
+            )
+        gap = span * spacing
         may = TARGETS[hardware.target].two_results and hardware.handover == "parallel"
         if may and gap <= timing.latency:  # room for a second result wins clocks
             moves = Moves(self.arrivals, MAJOR_CLOCK)
@@ -411,9 +427,10 @@ class PipelinedCore(wiring.Component):
     Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.cycles`):
         sample_valid, sample_ready; sample_gyro_x..z, sample_accel_x..z (signed counts),
         sample_fault.
-        result_valid, result_ready; result_major (unsigned), result_status (2 bits), and
+        result_valid, result_ready; result_major (unsigned), result_status (4 bits), and
         result_NAME for each of `sculler_model.vectors.COMPONENTS`, signed, worst-case wide; or
         result_data, result_last, the stream of words.
+        samples_lost, and results_dropped where the design drops results.
 
     Throughput: one sample every `timing.spacing` clocks.  Within a major interval nothing stalls;
     the last sample of an interval waits while there is no room for its result (`timing.results`).
@@ -440,12 +457,12 @@ class PipelinedCore(wiring.Component):
         self.stages = Stages(design, self.plan.way)
         self.sequencer = Sequencer(design, self.timing.spacing, self.timing.results)
         self.handover: HandOver | StreamHandOver
-        words, arrivals = design.words, self.stages.arrivals
+        words, arrivals, drops = design.words, self.stages.arrivals, design.drops_results
         if design.hardware.handover == "stream":
             columns = words_per_column(design)
-            self.handover = StreamHandOver(words, columns, arrivals, MAJOR_CLOCK)
+            self.handover = StreamHandOver(words, columns, arrivals, MAJOR_CLOCK, drops)
         else:
-            self.handover = HandOver(words, arrivals, MAJOR_CLOCK, self.timing.results)
+            self.handover = HandOver(words, arrivals, MAJOR_CLOCK, self.timing.results, drops)
         self.resources = {
             "multipliers": self.plan.tiles,
             "product_units": self.plan.units,
@@ -459,11 +476,16 @@ class PipelinedCore(wiring.Component):
         words, stages = self.design.words, self.stages
         m.submodules.sequencer = sequencer = self.sequencer
         m.submodules.handover = handover = self.handover
+        m.submodules.losses = losses = Losses()
         m.d.comb += [
             sequencer.sample_valid.eq(self.sample_valid),
             sequencer.sample_fault.eq(self.sample_fault),
             sequencer.result_taken.eq(handover.taken),
+            sequencer.sample_lost.eq(losses.lost),
+            losses.sample_valid.eq(self.sample_valid),
+            losses.sample_ready.eq(sequencer.sample_ready),
             self.sample_ready.eq(sequencer.sample_ready),
+            self.samples_lost.eq(losses.count),
         ]
         # the parts of each sensor, which stand together, and the arrays have flags of their own
         flags = {
@@ -587,17 +609,24 @@ class PipelinedCore(wiring.Component):
                     m.d.comb += handover.input[name][i].eq(getattr(position, name)[component])
 
         # status, and the result to the host
-        status = Signal(2)
-        news = sequencer.short | sequencer.fault << 1  # STATUS_SHORT_HISTORY, _FAULT
+        status = Signal(3)
+        news = Cat(sequencer.short, sequencer.fault, sequencer.lost)
         with m.If(flags["gyro"]["taken"].at(1)):
             m.d.sync += status.eq(Mux(sequencer.first, 0, status) | news)
-        held = Word(m, "status", status, at_once(2, 2))  # for the next sample starts another
+        held = Word(m, "status", status, at_once(3, 2))  # for the next sample starts another
+        short, fault, lost = held.window(0, 3, STATUS_CLOCK)
+        rail = self._rail(m, tap_samples, flags["gyro"]["taken"], ended)
         m.d.comb += [
             handover.major_end.eq(ended.at(handover.clock)),
-            handover.status.eq(held.window(0, 2, handover.clock + 1)),
+            handover.status.eq(Cat(short, fault, rail, lost)),
             handover.ready.eq(self.result_ready),
             self.result_valid.eq(handover.valid),
         ]
+        if self.design.drops_results and handover.moves is not None:
+            m.d.comb += [
+                handover.claim.eq(ended.at(handover.moves.claim)),
+                self.results_dropped.eq(handover.dropped),
+            ]
         if isinstance(handover, StreamHandOver):
             m.d.comb += [self.result_data.eq(handover.data), self.result_last.eq(handover.last)]
             return m
@@ -609,3 +638,27 @@ class PipelinedCore(wiring.Component):
             for i, axis in enumerate(AXES):
                 m.d.comb += getattr(self, f"result_{name}_{axis}").eq(handover.output[name][i])
         return m
+
+    def _rail(
+        self, m: Module, samples: dict[str, list[Word]], taken: FlagLine, ended: FlagLine
+    ) -> Value:
+        """At `STATUS_CLOCK`: a count of the interval so far, this sample included, is at a rail.
+
+        There every bit of it differs from its sign.
+        """
+        clock = TAP_CLOCK
+        parts = []  # of each count
+        for words in samples.values():
+            for word in words:
+                *bits, sign = word.window(0, len(word.value), clock)
+                differs = Signal(-(-len(bits) // RAIL_BITS), name=f"{word.name}_rail")
+                for i, part in enumerate(differs):
+                    some = Cat(bits[i * RAIL_BITS : (i + 1) * RAIL_BITS])
+                    m.d.sync += part.eq(Mux(sign, ~some.any(), some.all()))
+                parts.append(differs)
+        newest, rail = Signal(name="newest_rail"), Signal(name="rail")
+        m.d.sync += [
+            newest.eq(Cat(part.all() for part in parts).any()),
+            rail.eq((newest & taken.at(clock + 2)) | (rail & ~ended.at(clock + 3))),
+        ]
+        return rail

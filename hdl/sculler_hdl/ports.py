@@ -6,10 +6,10 @@ from amaranth import signed, unsigned
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_model.cycles import PORT_MAJOR_BITS
+from sculler_model.cycles import COUNTER_BITS, PORT_MAJOR_BITS
 from sculler_model.design import Design
 from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import AXES
+from sculler_model.vectors import AXES, STATUS_BITS
 
 
 class Port(NamedTuple):
@@ -50,8 +50,14 @@ def result_ports(design: Design) -> list[Port]:
     """The ports that a result, or a word of it, stands on, in their order."""
     if design.hardware.handover == "stream":
         return [Port("result_data", WORD_BITS), Port("result_last", 1)]
-    head = [Port("result_major", PORT_MAJOR_BITS), Port("result_status", 2)]
+    head = [Port("result_major", PORT_MAJOR_BITS), Port("result_status", STATUS_BITS)]
     return [*head, *component_ports(design)]
+
+
+def counter_ports(design: Design) -> list[Port]:
+    """The ports that count what was lost since reset."""
+    names = ["samples_lost", *(["results_dropped"] if design.drops_results else [])]
+    return [Port(name, COUNTER_BITS) for name in names]
 
 
 def port_members(design: Design) -> dict[str, wiring.Member]:
@@ -63,4 +69,5 @@ def port_members(design: Design) -> dict[str, wiring.Member]:
         "result_valid": Out(1),
         "result_ready": In(1),
         **{port.name: Out(port.shape) for port in result_ports(design)},
+        **{port.name: Out(port.shape) for port in counter_ports(design)},
     }

@@ -151,7 +151,10 @@ _MEANINGS = {
     "result_data": "a word of the result, 16 bits; columns in order, least significant word first",
     "result_last": "this word is the result's last",
     "result_major": "number of the major interval, from 0 after reset",
-    "result_status": "bit 0: history reached before the first sample; bit 1: a sample had fault",
+    "result_status": "bit 0: history reached before the first sample; bit 1: a sample had fault;"
+    " bit 2: a count stood at its rail; bit 3: a sample was lost",
+    "samples_lost": "samples offered and not taken since reset; at its highest: so many or more",
+    "results_dropped": "results dropped since reset; at its highest: so many or more",
 }
 
 

@@ -218,6 +218,9 @@ class Hardware(Part):
         sample as follow from it, and without it one.  The compact core uses 1 (default) or 0.
     handover: "parallel" shows a whole result at once, "stream" word by word (`stream`); the
         compact core streams, the pipelined core does what is asked, by default "parallel".
+    overrun: what gives way when results are not taken in time.  "drop-sample", which is the
+        default: the sensor is made to wait, and a sample that cannot is lost, which status bit 3
+        tells; "drop-result": the oldest result that waits, which `results_dropped` tells.
     """
 
     core: Annotated[
@@ -234,6 +237,16 @@ class Hardware(Part):
         Literal["parallel", "stream"] | None,
         Field(description='"parallel" or "stream"', validate_default=True),
     ] = None
+
+    overrun: Annotated[
+        Literal["drop-sample", "drop-result"] | None,
+        Field(description='"drop-sample" or "drop-result"'),
+    ] = None
+
+    @field_validator("overrun")
+    @classmethod
+    def _the_usual_is_left_unsaid(cls, value: str | None) -> str | None:
+        return None if value == "drop-sample" else value
 
     @field_validator("multipliers")
     @classmethod
@@ -440,6 +453,11 @@ class Design(Part):
             self.table,
             self.high_resolution,
         )
+
+    @property
+    def drops_results(self) -> bool:
+        """Whether the core drops a result that waits rather than make samples wait for it."""
+        return self.hardware.overrun == "drop-result"
 
     @property
     def high_resolution(self) -> bool:

@@ -35,7 +35,7 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast_scrolling import FastHighResolution
 from sculler_model.golden import check_widths
-from sculler_model.vectors import STATUS_FAULT, STATUS_SHORT_HISTORY, VECTORS
+from sculler_model.vectors import STATUS_FAULT, STATUS_RAIL, STATUS_SHORT_HISTORY, VECTORS
 from sculler_model.wordlength import Interval, cross
 
 Counts: TypeAlias = NDArray[np.integer[Any]]
@@ -133,6 +133,7 @@ class FastModel:
                 return counts[new]
             return np.concatenate([kept[start:stop], counts[new]], dtype=np.int64)
 
+        rails = np.empty(majors, np.bool_)
         components = np.empty((majors, len(self.design.components)), self._arithmetic.dtype)
         idle = SimpleQueue[_Arithmetic]()
         for arithmetic in self._arithmetics:
@@ -144,6 +145,7 @@ class FastModel:
                 last = min(first + arithmetic.majors, majors)
                 block = rows(first * span, last * span + arithmetic.history)
                 components[first:last] = arithmetic.components(block)
+                rails[first:last] = self._at_rail(block[arithmetic.history :])
             finally:
                 idle.put(arithmetic)
 
@@ -160,6 +162,7 @@ class FastModel:
 
         major = np.arange(first_major, first_major + majors, dtype=np.int64)
         status = np.where(major < self._short_majors, STATUS_SHORT_HISTORY, 0)
+        status[rails] |= STATUS_RAIL
         complete = faulty < (first_major + majors) * span
         status[faulty[complete] // span - first_major] |= STATUS_FAULT
 
@@ -179,6 +182,17 @@ class FastModel:
         except InputError:
             for t, sample in enumerate(counts.tolist(), start=first):
                 check_widths(words, t, sample)
+
+    def _at_rail(self, rows: Counts) -> NDArray[np.bool_]:
+        """For each of whole major intervals, whether a count of it is at an end of its width."""
+        words, span = self.design.words, self.design.samples_per_major
+        found = np.zeros(len(rows), np.bool_)
+        for extreme, end in ((np.minimum, "lo"), (np.maximum, "hi")):
+            for column, count in enumerate(_column_extremes(rows, extreme)):
+                if count == getattr(words.gyro if column < 3 else words.accel, end):
+                    found |= rows[:, column] == count
+        each: NDArray[np.bool_] = np.logical_or.reduce(found.reshape(-1, span), axis=1)
+        return each
 
 
 def run_fast(design: Design, counts: ArrayLike, faults: ArrayLike | None = None) -> VectorBlock:

@@ -14,6 +14,8 @@ from sculler_model.scrolling import HighResolution
 from sculler_model.vectors import (
     AXES,
     STATUS_FAULT,
+    STATUS_LOST,
+    STATUS_RAIL,
     STATUS_SHORT_HISTORY,
     ZERO,
     Result,
@@ -23,7 +25,7 @@ from sculler_model.vectors import (
     times,
     whole_numbers,
 )
-from sculler_model.wordlength import WordLengths
+from sculler_model.wordlength import Interval, WordLengths
 
 Sample = tuple[Vec, Vec, int]
 """One six-axis reading: gyro counts, accelerometer counts, fault flag (0 or 1)."""
@@ -44,11 +46,17 @@ def check_widths(words: WordLengths, t: int, counts: Sequence[int]) -> None:
             )
 
 
+def at_rail(counts: Vec, allowed: Interval) -> bool:
+    """Whether a count is the most negative or the most positive one that its sensor can send."""
+    return any(count in (allowed.lo, allowed.hi) for count in counts)
+
+
 class GoldenModel:
     """Exact coning/sculling accumulators for one design.
 
     Feed samples one at a time with `step`; it returns the major interval's `Result` on the
     interval's last sample, else None.  Sample history runs on across intervals until `reset`.
+    Where a sample was lost between two of them, say so with `lose`.
     """
 
     def __init__(self, design: Design) -> None:
@@ -83,24 +91,30 @@ class GoldenModel:
                 terms.append(times(c, counts[-1 - d]))
         return plus(*terms)
 
+    def lose(self) -> None:
+        """A sample was offered and not taken: it marks the interval of the next one taken."""
+        self.status |= STATUS_LOST
+
     def step(self, gyro: Vec, accel: Vec, fault: int = 0) -> Result | None:
         """Take the sample of time t.
 
         Args:
             gyro, accel: integer counts within the design's widths (signed), of any integer type.
-            fault: 1 marks the interval's status.
+            fault: 1 marks the interval's status, as a count at either end of its width does.
 
         Raises:
             InputError: a count is no whole number, or does not fit the sensor's width.
         """
         gyro = whole_numbers(f"sample {self.t}: gyro", gyro)
         accel = whole_numbers(f"sample {self.t}: accel", accel)
-        table = self.design.table
-        check_widths(self.design.words, self.t, (*gyro, *accel))
+        table, words = self.design.table, self.design.words
+        check_widths(words, self.t, (*gyro, *accel))
         self.s.append(gyro)
         self.r.append(accel)
         if fault:
             self.status |= STATUS_FAULT
+        if at_rail(gyro, words.gyro) or at_rail(accel, words.accel):
+            self.status |= STATUS_RAIL
         k = self.t % table.samples + 1  # phase in the minor interval, 1..n
 
         # every sample

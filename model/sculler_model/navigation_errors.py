@@ -236,23 +236,33 @@ class Start(NamedTuple):
 
 
 class LeftOut(NamedTuple):
-    """Seconds that only one of the two has: the run, or the truth, before and after the other."""
+    """Seconds that only one of the two has.
+
+    Attributes:
+        run_before, run_after: the run, before the truth begins and after it ends.
+        truth_before, truth_after: the truth, before the run begins and after it ends.
+        run_in_gaps: the run, where the truth's rows are too far apart.
+    """
 
     run_before: float
     run_after: float
     truth_before: float
     truth_after: float
+    run_in_gaps: float
 
 
-_ROWS_TO_START = 100
+_ROWS_TO_START = 20
 """Rows of a truth among which one at the end of a major interval is looked for."""
+
+_WIDEST = 3.5
+"""Steps of a truth over which it is interpolated: what is further apart is a gap."""
 
 
 class Comparison:
     """Errors of a run against its truth over what they have in common, in bounded memory.
 
     Errors are formed at the instants of whichever of the two is sparser; the other one is
-    interpolated (see `interpolated`) where it has no state at such an instant.
+    interpolated (see `interpolated`) where it has no state at such an instant, but not over a gap.
 
     Args:
         truth: the true states, in blocks, times running forwards; NaN all through in what it does
@@ -289,6 +299,8 @@ class Comparison:
         self._sums, self._largest = np.zeros(12), np.zeros(12)
         self._final = np.zeros(12)
         self._growth = np.zeros(2)
+        self._in_gaps = 0.0  # s
+        self._before: Array = np.zeros(0)  # the time of the last true state compared with
         self.instants = self.interpolated = 0
 
     def start(self, instants: Array) -> Start | None:
@@ -303,27 +315,41 @@ class Comparison:
         Returns:
             None if the truth begins after all of them or ends before.
         """
-        reach = max(float(instants[0]), float(self._waiting.time[0]) if len(self._waiting) else 0.0)
-        reach += _ROWS_TO_START * max(self.step, self._interval)
-        times = self._reach(min(reach, float(instants[-1]))).time
-        near = slack(instants)
-        if not len(times):
-            return None
-        inside = (instants >= times[0] - near) & (instants <= times[-1] + near)
-        inside &= instants <= reach
-        places = np.flatnonzero(inside)
+        waiting = self._reach(float(instants[-1]))
+        there, exact = self._inside(waiting, instants)
+        places = np.flatnonzero(there)
         if not len(places):
             return None
-        nearest = np.searchsorted(times, instants[places] - near[places])
-        nearest = np.minimum(nearest, len(times) - 1)
-        exact = np.abs(times[nearest] - instants[places]) <= near[places]
-        row = int(places[np.argmax(exact)])
+        first = float(instants[places[0]])
+        near = first + _ROWS_TO_START * max(self.step, self._interval)
+        wanted = exact[places] & (instants[places] <= near)
+        row = int(places[np.argmax(wanted)])
         found, count = interpolated(self._waiting, instants[row : row + 1])
         return Start(row, found.state(0)._replace(time=float(instants[row])), bool(count))
 
+    def _inside(
+        self, truth: NavHistory, instants: Array
+    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which instants have a true state, by a row or between two that are close; by a row."""
+        if not len(truth):
+            none = np.zeros(len(instants), np.bool_)
+            return none, none
+        times, near = truth.time, slack(instants)
+        after = np.minimum(np.searchsorted(times, instants - near), len(times) - 1)
+        before = np.maximum(after - 1, 0)
+        exact = np.abs(times[after] - instants) <= near
+        between = (times[before] < instants) & (instants < times[after])
+        between &= times[after] - times[before] <= _WIDEST * self.step
+        return exact | between, exact
+
+    def ended(self, time: float) -> bool:
+        """Whether the truth ends before a time, which is none earlier than any asked about."""
+        self._reach(time)
+        return self._last < time - SAME_INSTANT
+
     def begin(self) -> None:
         """A new stretch of the run: nothing lies between it and what came before."""
-        self._tail = None
+        self._tail, self._before = None, np.zeros(0)
 
     def add(self, part: NavHistory) -> tuple[NavHistory, NavHistory]:
         """Take the run's next states.
@@ -345,13 +371,14 @@ class Comparison:
             truth = rows(waiting, ready & (waiting.time >= self._stretch - slack(waiting.time)))
             estimate, count = interpolated(run, truth.time) if len(truth) else (truth, 0)
             self._waiting = rows(waiting, ~ready)
+            steps = np.diff(np.concatenate([self._before, truth.time]))
+            self._in_gaps += float(steps[steps > _WIDEST * self.step].sum())
+            self._before = truth.time[-1:] if len(truth) else self._before
         else:
-            near = slack(part.time)
-            inside = np.zeros(len(part), np.bool_)
+            inside, _ = self._inside(waiting, part.time)
             if len(waiting):
-                inside = (part.time >= waiting.time[0] - near) & (
-                    part.time <= waiting.time[-1] + near
-                )
+                over = (part.time > waiting.time[0]) & (part.time < waiting.time[-1]) & ~inside
+                self._in_gaps += self._interval * np.count_nonzero(over)
             estimate = rows(part, inside)
             truth, count = interpolated(waiting, estimate.time) if inside.any() else (estimate, 0)
             behind = int(np.searchsorted(waiting.time, last, side="right")) - 1
@@ -387,7 +414,8 @@ class Comparison:
         begin, end = self._span or (self.first.time, self._last)
         first, last = self.first.time, self._last
         pairs = ((begin, first), (last, end), (first, begin), (end, last))
-        return LeftOut(*(max(0.0, float(b - a)) for a, b in pairs))
+        ends = [max(0.0, float(b - a)) for a, b in pairs]
+        return LeftOut(ends[0], ends[1], ends[2], ends[3], self._in_gaps)
 
     def figures(self) -> dict[str, dict[str, Figures]]:
         """Root mean square, largest and final errors of what the truth tells.

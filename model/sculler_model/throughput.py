@@ -23,12 +23,17 @@ def clocks_per_minor(design: Design, timing: Timing) -> int:
 def clocks_per_major(design: Design, timing: Timing) -> int:
     """Clocks between results when samples are always offered and results taken at once.
 
-    A result must have been taken before there is room for another's last sample.
+    A result must have been taken before there is room for another's last sample, unless the core
+    drops results: then the samples alone set the pace, and if handing over takes longer, not every
+    result is seen.
     """
+    samples = design.algorithm.minors * clocks_per_minor(design, timing)
+    if timing.dropping is not None:
+        return samples
     words = words_per_result(design) if design.hardware.handover == "stream" else 1
     handing_over = timing.latency + (words - 1) * timing.handover_spacing + 1
     return max(
-        design.algorithm.minors * clocks_per_minor(design, timing),
+        samples,
         -(-handing_over // timing.results),
         words * timing.handover_spacing,
     )

@@ -59,10 +59,14 @@ STATUS_FAULT = 2
 
 STATUS_RAIL = 4
 """Status bit 2: a count of this interval stood at its rail, the most negative or the most positive
-value that its width allows."""
+value of its width, so what the sensor felt may have been more."""
 
 STATUS_LOST = 8
-"""Status bit 3: a sample was offered and not taken since the last result."""
+"""Status bit 3: a sample was offered and not taken since the last result's last sample was taken,
+so this interval is longer than its samples say."""
+
+STATUS_BITS = 4
+"""Width of the status."""
 
 
 class Result(NamedTuple):

@@ -11,6 +11,7 @@ from amaranth.hdl import ClockDomain, Module
 from amaranth.sim import Simulator
 
 from sculler_hdl.core import build_core
+from sculler_hdl.ports import counter_ports
 from sculler_model.cycles import Ports, result_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
@@ -60,6 +61,7 @@ def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) ->
     ]
     shown = [core.sample_ready, core.result_valid]
     results = [getattr(core, f"result_{port}") for port in result_ports(design)]
+    counters = [getattr(core, port.name) for port in counter_ports(design)]
 
     def drive(ctx: Any, now: Inputs) -> None:
         ctx.set(core.sample_valid, now.sample_valid)
@@ -74,10 +76,12 @@ def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) ->
     # A process, not a test bench: its settings take effect together, in one step of the design.
     async def drive_and_watch(ctx: Any) -> None:
         drive(ctx, surroundings.inputs)
-        async for _, _, ready, valid, *result in ctx.tick().sample(*shown, *results):
+        watched = ctx.tick().sample(*shown, *counters, *results)
+        async for _, _, ready, valid, *others in watched:
+            counts, result = others[: len(counters)], others[len(counters) :]
             if not valid:
                 result = [0] * len(results)  # the ports mean nothing
-            ports = Ports(ready, valid, tuple(result))
+            ports = Ports(ready, valid, tuple(result), *counts)
             seen.append(ports)
             surroundings.clocked(ports)
             if surroundings.done:

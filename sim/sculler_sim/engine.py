@@ -3,15 +3,17 @@
 The rules of a run, whatever the engine:
 
 * The stimulus says in which clocks a sample is offered; once offered it stays offered, unchanged,
-  until it is taken.  It is taken in a clock with `sample_valid`, `sample_ready` and not `rst`; a
-  result is taken in a clock with `result_valid`, `result_ready` and not `rst`.
+  until it is taken or, where the stimulus says so, given up: then nothing is offered in the next
+  clock, and the sample after it is the next.  It is taken in a clock with `sample_valid`,
+  `sample_ready` and not `rst`; a result is taken in a clock with `result_valid`, `result_ready` and
+  not `rst`.
 * While nothing is offered the sample ports show the next sample's complement, with `fault` set:
   a core that looked at them then would give itself away.
 * A result that comes as a stream of words is taken with its last word.
 * `RESET` in place of a chunk raises `rst` for one clock, once the results of all complete major
   intervals before it have been taken; the next sample is then the first.
 * After the last sample the run goes on until the results of all complete major intervals have
-  been taken.
+  been taken; where the core drops results, until that of the last one has.
 """
 
 from __future__ import annotations

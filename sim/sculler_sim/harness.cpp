@@ -7,6 +7,9 @@
 //   SCULLER_LIMBS       64-bit words that a component takes in a row
 // or, where it is a stream,
 //   SCULLER_WORDS       words of a result
+// and, where the core drops results,
+//   SCULLER_DROPS
+//   SCULLER_MAJOR       words of `major` in a stream
 
 #include <algorithm>
 #include <cerrno>
@@ -53,6 +56,7 @@ struct Core {
     SCULLER_TRACE wave;
 #endif
     bool held = false;  // a sample is offered and not yet taken
+    bool pause = false;  // a sample was given up in the clock before
     int64_t words = 0;  // taken of the result under way
     uint64_t result[ROW];
     uint64_t clocks = 0;
@@ -161,6 +165,29 @@ Taken take_result(Core& core) {
 
 #endif
 
+// Major intervals up to the one whose result was taken last, when `told` were before.
+int64_t intervals(const Core& core, int64_t told) {
+#ifndef SCULLER_DROPS
+    return told + 1;
+#elif defined(SCULLER_WORDS)
+    int64_t major = 0;
+    for (int word = 0; word < SCULLER_MAJOR && word < 4; ++word)
+        major |= static_cast<int64_t>(core.result[word] << 16 * word);
+    return major + 1;
+#else
+    return static_cast<int64_t>(core.result[0]) + 1;
+#endif
+}
+
+uint16_t results_dropped(const Core& core) {
+#ifdef SCULLER_DROPS
+    return core.top.results_dropped;
+#else
+    (void)core;
+    return 0;
+#endif
+}
+
 void drive_sample(Core& core, const int32_t* counts, uint8_t fault, bool valid) {
     const int64_t flip = valid ? 0 : -1;  // what is not offered shows its complement
 #define DRIVE(member, bits) drive(core.top.member, *counts++ ^ flip, bits);
@@ -175,11 +202,12 @@ struct Levels {
     const uint8_t* offer;
     const uint8_t* take;
     const uint8_t* rst;
+    const uint8_t* give_up;
 };
 
 // Counted on by each call; the fields of sculler_sim.run.Progress.
 struct Progress {
-    int64_t clocks, samples, since_reset, results, results_since_reset, idle;
+    int64_t clocks, samples, lost, since_reset, results, intervals_told, idle;
 };
 
 #define EXPORT extern "C" __attribute__((visibility("default")))
@@ -216,25 +244,26 @@ EXPORT int sculler_destroy(Core* core) {
 //   counts, faults: samples x 6 and samples
 //   interval: samples in a major interval
 //   rows, capacity: room for that many results taken, ROW words each
-//   handshakes, shown: null, or clocks x (sample_ready, result_valid) and clocks x SHOWN
+//   handshakes, shown, counters: null, or clocks x (sample_ready, result_valid), clocks x SHOWN and
+//     clocks x (samples_lost, results_dropped)
 // With `shown` it runs all the clocks and puts down the ports in each of them.  Otherwise it ends
-// earlier: after the clock that takes the last sample; if there are none, as soon as all complete
+// earlier: after the clock that takes the last sample or in which it is given up; if there are none, as soon as all complete
 // intervals' results have been taken; or when `rows` is full.
 // Returns 0; or, as soon as result_last is wrong, the words taken of that result.
 EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* faults, int64_t samples,
                         int64_t interval, const Levels* levels, int64_t clocks, uint64_t* rows,
                         int64_t capacity, uint8_t* handshakes, uint64_t* shown,
-                        Progress* progress) {
+                        uint16_t* counters, Progress* progress) {
     Progress p = *progress;
     Vcore& top = core->top;
     int64_t next = 0, taken = 0;
     const auto ended = [&] {
         if (taken == capacity) return true;
         if (samples) return next == samples;
-        return p.results_since_reset >= p.since_reset / interval;
+        return p.intervals_told >= p.since_reset / interval;
     };
     for (int64_t clock = 0; clock < clocks && (shown || !ended()); ++clock) {
-        const bool valid = next < samples && (levels->offer[clock] || core->held);
+        const bool valid = next < samples && (levels->offer[clock] || core->held) && !core->pause;
         const bool take = levels->take[clock], rst = levels->rst[clock];
         top.sample_valid = valid;
         top.result_ready = take;
@@ -249,12 +278,20 @@ EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* fau
             else
                 std::fill_n(shown, SHOWN, 0);  // the result ports mean nothing
             shown += SHOWN;
+            *counters++ = top.samples_lost;
+            *counters++ = results_dropped(*core);
         }
         core->held = valid;
+        core->pause = valid && levels->give_up[clock] && (rst || !top.sample_ready);
+        if (core->pause) {
+            core->held = false;
+            ++next;
+            ++p.lost;
+        }
         ++p.clocks;
         ++p.idle;
         if (rst) {
-            p.since_reset = p.results_since_reset = 0;
+            p.since_reset = p.intervals_told = 0;
             core->words = 0;
         } else {
             if (valid && top.sample_ready) {
@@ -271,7 +308,7 @@ EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* fau
                 if (what == Taken::whole) {
                     if (!shown) std::copy_n(core->result, ROW, rows + ROW * taken++);
                     ++p.results;
-                    ++p.results_since_reset;
+                    p.intervals_told = intervals(*core, p.intervals_told);
                 }
             }
         }

@@ -42,22 +42,25 @@ class Progress:
     Attributes:
         clocks: clocks run.
         samples: samples the core has taken.
-        since_reset: those of them since the last reset.
+        lost: samples that were given up before it had.
+        since_reset: samples taken since the last reset.
         results: results taken, to their last word.
-        results_since_reset: those of them since the last reset.
+        intervals_told: major intervals since the last reset up to the last one whose result was
+            taken, results that the core dropped included.
         idle: clocks since a sample, a result or a word of one was last taken.
     """
 
     clocks: int = 0
     samples: int = 0
+    lost: int = 0
     since_reset: int = 0
     results: int = 0
-    results_since_reset: int = 0
+    intervals_told: int = 0
     idle: int = 0
 
     def drained(self, design: Design) -> bool:
         """Whether every complete major interval's result has been taken."""
-        return self.results_since_reset >= self.since_reset // design.samples_per_major
+        return self.intervals_told >= self.since_reset // design.samples_per_major
 
     def check_alive(self, stimulus: Stimulus, timing: Timing) -> None:
         """Raise SimulationError if nothing has moved for much longer than the two explain."""
@@ -114,12 +117,14 @@ class PortTrace:
     Attributes:
         sample_ready, result_valid: (clocks,) of 0 and 1.
         result: (clocks, ports) Python integers as in `Ports.result`, signed as the ports are.
+        counters: (clocks, 2) `samples_lost`, and `results_dropped` or 0.
         ports: names of the result ports, `sculler_model.cycles.result_ports`.
     """
 
     sample_ready: NDArray[np.uint8]
     result_valid: NDArray[np.uint8]
     result: NDArray[np.object_]
+    counters: NDArray[np.uint16]
     ports: tuple[str, ...]
 
     @classmethod
@@ -130,6 +135,7 @@ class PortTrace:
             np.array([ports.sample_ready for ports in shown], np.uint8),
             np.array([ports.result_valid for ports in shown], np.uint8),
             np.array([ports.result for ports in shown], object).reshape(-1, len(names)),
+            np.array([ports[3:] for ports in shown], np.uint16).reshape(-1, 2),
             names,
         )
 
@@ -140,8 +146,11 @@ class PortTrace:
         """First unequal port as (clock, port, ours, theirs), or None; compares common clocks."""
         common = min(len(self), len(other))
         names = ("sample_ready", "result_valid", *(f"result_{port}" for port in self.ports))
+        names += ("samples_lost", "results_dropped")
         ours, theirs = (
-            np.column_stack([t.sample_ready[:common], t.result_valid[:common], t.result[:common]])
+            np.column_stack(
+                [each[:common] for each in (t.sample_ready, t.result_valid, t.result, t.counters)]
+            )
             for t in (self, other)
         )
         unequal = np.argwhere(ours != theirs)

@@ -15,17 +15,20 @@ Levels8 = NDArray[np.uint8]
 
 _BLOCK = 1 << 14  # clocks drawn from one random generator, so that any clock can be reached
 _DENSITIES = (0.0, 0.15, 0.5, 0.85, 1.0)  # share of busy clocks in a stretch
+_IMPATIENCE = 0.6  # share of busy clocks in which a sensor gives up
 
 
 class Levels(NamedTuple):
     """Input levels of consecutive clocks, each (clocks,) of 0 and 1."""
 
     offer: Levels8
-    """The sensor has a sample to offer (once offered, it stays offered until taken)."""
+    """The sensor has a sample to offer, which stays offered until it is taken or given up."""
     take: Levels8
     """Level of `result_ready`."""
     rst: Levels8
     """Level of `rst`."""
+    give_up: Levels8
+    """A sample that is offered and not taken in this clock is lost: its offer is withdrawn."""
 
 
 @dataclass(frozen=True)
@@ -40,11 +43,14 @@ class Stimulus:
             and long alike (log-uniform) and some are wholly idle; several major intervals long,
             they make `sample_ready` fall.
         resets: clocks in which `rst` is high.
+        gives_up: whether the sensor gives samples up that are not taken, at random; it never does
+            without stalls.
     """
 
     seed: int | None = None
     longest: int = 256
     resets: tuple[int, ...] = ()
+    gives_up: bool = False
 
     def __post_init__(self) -> None:
         if self.seed is not None and self.seed < 0:
@@ -70,29 +76,37 @@ class Stimulus:
         """The same, with `rst` high in the given clocks."""
         return replace(self, resets=clocks)
 
+    def giving_up(self) -> Stimulus:
+        """The same, with a sensor that gives samples up."""
+        return replace(self, gives_up=True)
+
     def levels(self, start: int, clocks: int) -> Levels:
         """Levels of `clocks` clocks from clock `start` on."""
         end = start + clocks
         if self.seed is None:
             offer = take = np.ones(clocks, np.uint8)
+            give_up = np.zeros(clocks, np.uint8)
         else:
             blocks = [
                 _random_block(self.seed, self.longest, index)
                 for index in range(start // _BLOCK, -(-end // _BLOCK))
             ]
             first = start // _BLOCK * _BLOCK
-            both = np.concatenate(blocks, axis=1) if blocks else np.zeros((2, 0), np.uint8)
-            offer, take = both[:, start - first : end - first]
+            drawn = np.concatenate(blocks, axis=1) if blocks else np.zeros((3, 0), np.uint8)
+            offer, take, give_up = drawn[:, start - first : end - first]
+            if not self.gives_up:
+                give_up = np.zeros(clocks, np.uint8)
         rst = np.zeros(clocks, np.uint8)
         rst[[clock - start for clock in self.resets if start <= clock < end]] = 1
-        return Levels(np.ascontiguousarray(offer), np.ascontiguousarray(take), rst)
+        return Levels(*map(np.ascontiguousarray, (offer, take, rst, give_up)))
 
 
 @lru_cache(maxsize=4)
 def _random_block(seed: int, longest: int, index: int) -> Levels8:
-    """Offer and take, (2, _BLOCK), of the block's clocks."""
+    """Offer, take and give up, (3, _BLOCK), of the block's clocks."""
     rng = np.random.default_rng([seed, longest, index])
-    return np.stack([_stretches(rng, longest) for _ in range(2)])
+    offer, take, give_up = (_stretches(rng, longest) for _ in range(3))
+    return np.stack([offer, take, give_up & (rng.random(_BLOCK) < _IMPATIENCE)])
 
 
 def _stretches(rng: np.random.Generator, longest: int) -> Levels8:

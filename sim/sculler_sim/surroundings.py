@@ -71,6 +71,8 @@ class Surroundings:
         self._next = next(self._samples, _END)
         self._held = 0
         self._resets = False  # this clock resets the core between two samples
+        self._pause = 0  # a sample was given up in the clock before
+        self._gives_up = 0
         self.inputs = self._present()
 
     @property
@@ -87,8 +89,13 @@ class Surroundings:
         run.clocks += 1
         run.idle += 1
         self._held = valid
+        self._pause = 0
+        if valid and self._gives_up and (rst or not ports.sample_ready):
+            self._next = next(self._samples, _END)
+            self._held, self._pause = 0, 1
+            run.lost += 1
         if rst:
-            run.since_reset = run.results_since_reset = 0
+            run.since_reset = run.intervals_told = 0
             self._words.clear()
             if self._resets:
                 self._next = next(self._samples, _END)
@@ -121,25 +128,29 @@ class Surroundings:
             self._words.clear()
         self.taken.append(shown)
         self._progress.results += 1
-        self._progress.results_since_reset += 1
+        self._progress.intervals_told += 1
+        if self._design.drops_results:
+            self._progress.intervals_told = shown[0] + 1
 
     def _present(self) -> Inputs:
-        offer, take, rst = next(self._levels)
+        offer, take, rst, self._gives_up = next(self._levels)
         if self._next == _RESET:
             self._resets = self._progress.drained(self._design)
             return Inputs(0, None, take, 1) if self._resets else Inputs(0, None, take, rst)
         if self._next == _END:
             return Inputs(0, None, take, rst)
-        if offer or self._held:
+        if (offer or self._held) and not self._pause:
             return Inputs(1, self._next, take, rst)
         gyro, accel, _ = self._next
         return Inputs(0, (_complement(gyro), _complement(accel), 1), take, rst)
 
-    def _each_level(self) -> Iterator[tuple[int, int, int]]:
+    def _each_level(self) -> Iterator[tuple[int, int, int, int]]:
         start = 0
         while True:
-            offer, take, rst = self._stimulus.levels(start, _LEVELS)
-            yield from zip(offer.tolist(), take.tolist(), rst.tolist(), strict=True)
+            offer, take, rst, give_up = (
+                level.tolist() for level in self._stimulus.levels(start, _LEVELS)
+            )
+            yield from zip(offer, take, rst, give_up, strict=True)
             start += _LEVELS
 
 

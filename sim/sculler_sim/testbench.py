@@ -2,8 +2,12 @@
 
 It needs no Python to run: any simulator of Verilog-2001 does.  Inside,
 
-* samples come from a file of random counts, full-scale ones among them; an LFSR stalls both
-  handshakes, and every other result waits until it holds up the samples;
+* samples come from a file of random counts, in some intervals full-scale ones among them, in others
+  one alone or none, and a few faults; an LFSR stalls both handshakes, and every other result waits
+  until it holds up the samples;
+* offers that are not taken are sometimes withdrawn, so that samples are lost; which, the bench sees
+  for itself, and holds status bit 3 and `samples_lost` to it;
+* where the core drops results, some wait until others have been dropped behind them;
 * after a part of the samples, in mid-interval, reset is held for some clocks while a sample is
   offered; the rest of the samples then starts from nothing;
 * every result port is compared with the golden model's, bit for bit, when the result (or a word
@@ -24,15 +28,18 @@ from string import Template
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_hdl.ports import Port, result_ports, sample_ports
-from sculler_model.cycles import Timing
+from sculler_hdl.ports import Port, counter_ports, result_ports, sample_ports
+from sculler_model.cycles import COUNTER_MAX, Timing
 from sculler_model.design import Design
 from sculler_model.fast import run_fast
-from sculler_model.stream import to_words, words_per_result
+from sculler_model.stream import to_words, words_per_column, words_per_result
 from sculler_model.throughput import clocks_per_major
+from sculler_model.vectors import STATUS_LOST
+from sculler_model.wordlength import Interval
 from sculler_sim.files import make_folder, replacing
 
 _SEED = 2001
+_DROPPING = 5  # major intervals after which a result has been dropped
 _CLOCKS = 3  # a sample; cores that take more get fewer samples than `Least` says
 
 Least = tuple[tuple[int, int], tuple[int, int]]
@@ -85,15 +92,18 @@ def testbench(
     # whole major intervals and a part of one (where one is more than a sample)
     per_major, phases = design.samples_per_major, design.algorithm.samples
     slowness = max(1, clocks_per_major(design, timing) // (_CLOCKS * per_major))
+    if design.drops_results:  # one waits until some are dropped
+        least = least[0], (max(least[1][0], _DROPPING), least[1][1])
     before, after = (
         max(intervals, -(-fewest // slowness // per_major)) * per_major + per_major // 2
         for intervals, fewest in least
     )
-    samples = _samples(design, before + after)
+    samples = _samples(design, before, after)
     first = run_fast(design, samples[:before, :6], samples[:before, 6])
     second = run_fast(design, samples[before:, :6], samples[before:, 6])  # after a reset
 
     inputs, outputs = sample_ports(design), result_ports(design)
+    counters = counter_ports(design)
     stream = design.hardware.handover == "stream"
     parts = words_per_result(design) if stream else 1
     expected: list[tuple[int, ...]] = [*first.rows(), *second.rows()]
@@ -126,6 +136,15 @@ def testbench(
         "work": "\n".join(
             f"      {phase}: work = {clocks};" for phase, clocks in enumerate(timing.work) if clocks
         ),
+        "lost_part": words_per_column(design) if stream else 0,
+        "lost_bit": (STATUS_LOST.bit_length() - 1) + (0 if stream else outputs[0].bits),
+        "drops": int(design.drops_results),
+        "claim": timing.dropping.claim if timing.dropping else 0,
+        "refill": timing.dropping.refill if timing.dropping else timing.handover_spacing,
+        "counters": "\n".join(f"  wire [{port.bits - 1}:0] {port.name};" for port in counters),
+        "counter_connections": "\n".join(f"    .{port.name}({port.name})," for port in counters),
+        "counter_checks": "\n".join(_counter_checks(counters)),
+        "counter_max": COUNTER_MAX,
         "timeout": 1000
         + 2 * timing.startup
         + slowest_sample * len(samples)
@@ -151,20 +170,48 @@ _PARALLEL_LINE = (
 )
 
 
-def _samples(design: Design, count: int) -> NDArray[np.int64]:
-    """(count, 7) random counts and fault: half of the counts full-scale, some in long runs."""
+def _samples(design: Design, before: int, after: int) -> NDArray[np.int64]:
+    """(before + after, 7) counts and fault for the samples before and after the reset.
+
+    Every third major interval has half of its counts full-scale, some in long runs; the others
+    come within one of full scale, every second of them with a single count that reaches it.  Every
+    fourth has a faulty sample.
+    """
     rng = random.Random(_SEED)
-    allowed = [design.words.gyro] * 3 + [design.words.accel] * 3
+    words, span = design.words, design.samples_per_major
+    allowed = [words.gyro] * 3 + [words.accel] * 3
+    parts = []
+    for part, samples in enumerate((before, after)):
+        rows = _wild(rng, allowed, samples)
+        for interval, first in enumerate(range(0, samples, span), start=part):
+            mine = rows[first : first + span]
+            if interval % 3:
+                mine[:] = mine.clip([word.lo + 1 for word in allowed], [w.hi - 1 for w in allowed])
+            if interval % 3 == 2:
+                axis = rng.randrange(6)
+                ends = (allowed[axis].lo, allowed[axis].hi)
+                mine[rng.randrange(len(mine)), axis] = rng.choice(ends)
+        faults = np.zeros((samples, 1), np.int64)
+        for interval, first in enumerate(range(0, samples, span), start=part):
+            if interval % 4 == 1:
+                faults[first + rng.randrange(min(span, samples - first))] = 1
+        parts.append(np.hstack([rows, faults]))
+    return np.concatenate(parts)
+
+
+def _wild(rng: random.Random, allowed: Sequence[Interval], count: int) -> NDArray[np.int64]:
+    """(count, 6) random counts: half of them full-scale, some in long runs."""
     rows: list[list[int]] = []
     while len(rows) < count:
         held = [rng.choice((word.lo, word.hi)) for word in allowed]  # drives sums to their ends
         for _ in range(rng.choice((1, 2, 3, 40))):
-            counts = [
-                rng.choice((end, end, word.lo, word.hi, rng.randint(-3, 3), uniform))
-                for end, word in zip(held, allowed, strict=True)
-                for uniform in [rng.randint(word.lo, word.hi)]
-            ]
-            rows.append([*counts, int(rng.random() < 0.01)])
+            rows.append(
+                [
+                    rng.choice((end, end, word.lo, word.hi, rng.randint(-3, 3), uniform))
+                    for end, word in zip(held, allowed, strict=True)
+                    for uniform in [rng.randint(word.lo, word.hi)]
+                ]
+            )
     return np.array(rows[:count], np.int64)
 
 
@@ -215,4 +262,17 @@ def _checks(ports: list[Port]) -> Iterator[str]:
         yield f"    end else if (want_valid && {name} !== {wanted}) begin"
         yield f'      $display("FAIL: result %0d, word %0d, {name}: %0d, expected %0d",'
         yield f"               results, part, {name}, {wanted});"
+        yield "      fail;"
+
+
+_COUNTED = {"samples_lost": "lost", "results_dropped": "dropped"}
+"""What the bench counts of what each port does."""
+
+
+def _counter_checks(ports: list[Port]) -> Iterator[str]:
+    for port in ports:
+        counted = _COUNTED[port.name]
+        yield f"    end else if ({port.name} !== {counted}[{port.bits - 1}:0]) begin"
+        yield f'      $display("FAIL: clock %0d, {port.name}: %0d, expected %0d",'
+        yield f"               clock, {port.name}, {counted});"
         yield "      fail;"

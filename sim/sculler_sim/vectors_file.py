@@ -130,7 +130,8 @@ def read_vectors(
 
     Raises:
         InputError: the file cannot be read, is cut short, its header or a cell is wrong, `major`
-            does not run 0, 1, 2... (from 0 again after a reset), or the columns or a component do
+            does not run 0, 1, 2... (from 0 again after a reset; with gaps where the design drops
+            results), or the columns or a component do
             not fit the design.  The line is named.
     """
     lines = VectorLines(path)
@@ -140,13 +141,15 @@ def read_vectors(
             f' position = "{design.algorithm.position}" gives {len(design.columns)}; is this its'
             " vectors file?"
         )
+    gaps = design is not None and design.drops_results
     dtype = np.dtype(object) if design is None else component_dtype(design)
     major = -1
     while numbered := list(islice(lines, chunk)):
         cells = [lines.row(number, line) for number, line in numbered]
         rows = [integers for integers, _ in cells]
         for (number, _), row in zip(numbered, rows, strict=True):
-            if row[0] not in (0, major + 1) and not (missing and row[0] > major):
+            gap = (missing or gaps) and row[0] > major
+            if row[0] not in (0, major + 1) and not gap:
                 raise InputError(
                     f"{path}: line {number}: major is {row[0]} where {major + 1} should follow,"
                     " rows are missing or out of order"

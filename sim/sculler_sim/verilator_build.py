@@ -201,6 +201,8 @@ def _harness(design: Design, wave: _Wave | None) -> str:
             f"#define SCULLER_RESULTS(X) {_each(component_ports(design))}",
             f"#define SCULLER_LIMBS {limbs(design)}",
         ]
+    if design.drops_results:
+        lines += ["#define SCULLER_DROPS", f"#define SCULLER_MAJOR {words_per_column(design)}"]
     code = resources.files("sculler_sim").joinpath("harness.cpp").read_text(encoding="utf-8")
     return "\n".join([*lines, code])
 

@@ -50,10 +50,10 @@ def stream(
                 core.reset()
                 continue
             counts, faults = chunk
-            first, last = progress.samples, progress.samples + len(counts)
-            while progress.samples < last:
-                done = progress.samples - first
+            first, done = progress.samples + progress.lost, 0
+            while done < len(counts):
                 yield from core.run(counts[done:], faults[done:])
+                done = progress.samples + progress.lost - first
         while not progress.drained(design):
             yield from core.run(_NO_COUNTS, _NO_FAULTS)
 
@@ -72,7 +72,7 @@ def trace(
 
 
 class _Levels(ctypes.Structure):
-    _fields_ = [("offer", ctypes.c_void_p), ("take", ctypes.c_void_p), ("rst", ctypes.c_void_p)]
+    _fields_ = [(name, ctypes.c_void_p) for name in Levels._fields]
 
     @classmethod
     def at(cls, levels: Levels, clock: int) -> _Levels:
@@ -148,22 +148,24 @@ class _Core:
     def reset(self) -> None:
         """One clock of reset; no sample is offered and no result taken in it."""
         low, high = np.zeros(1, np.uint8), np.ones(1, np.uint8)
-        levels = _Levels.at(Levels(low, low, high), 0)
+        levels = _Levels.at(Levels(low, low, high, low), 0)
         handshakes, shown = np.empty((1, 2), np.uint8), np.empty((1, self._shown), np.uint64)
-        self._call(_NO_COUNTS, _NO_FAULTS, levels, 1, handshakes, shown)
+        counters = np.empty((1, 2), np.uint16)
+        self._call(_NO_COUNTS, _NO_FAULTS, levels, 1, handshakes, shown, counters)
 
     def trace(self, counts: NDArray[np.int32], faults: NDArray[np.uint8], clocks: int) -> PortTrace:
         """All ports on exactly so many clocks."""
         levels = self._stimulus.levels(0, clocks)
         handshakes = np.empty((clocks, 2), np.uint8)
+        counters = np.empty((clocks, 2), np.uint16)
         ports = result_ports(self._design)
         shown = np.empty((clocks, self._shown), np.uint64)
-        self._call(counts, faults, _Levels.at(levels, 0), clocks, handshakes, shown)
+        self._call(counts, faults, _Levels.at(levels, 0), clocks, handshakes, shown, counters)
         result = np.empty((clocks, len(ports)), object)
         result[:, :2] = shown[:, :2]
         if not self._stream:
             result[:, 2:] = self._components(shown)
-        return PortTrace(handshakes[:, 0], handshakes[:, 1], result, ports)
+        return PortTrace(handshakes[:, 0], handshakes[:, 1], result, counters, ports)
 
     def _call(
         self,
@@ -173,6 +175,7 @@ class _Core:
         clocks: int,
         handshakes: NDArray[np.uint8] | None,
         shown: NDArray[np.uint64] | None,
+        shown_counters: NDArray[np.uint16] | None = None,
     ) -> None:
         names = Progress.__dataclass_fields__
         counters = _Counters(*(getattr(self._progress, name) for name in names))
@@ -188,6 +191,7 @@ class _Core:
             ctypes.c_int64(self._capacity),
             _address(handshakes),
             _address(shown),
+            _address(shown_counters),
             ctypes.byref(counters),
         )
         if words:

@@ -32,7 +32,7 @@ def _small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(logs, "BLOCK_BYTES", 1 << 13)
     monkeypatch.setattr(plausibility, "BLOCK", 1 << 9)
     monkeypatch.setattr(truth_file, "BLOCK", 500)
-    monkeypatch.setattr(vectors_file.read_vectors, "__defaults__", (None, 500, False))
+    monkeypatch.setattr(vectors_file.read_vectors, "__defaults__", (None, 500))
     monkeypatch.setattr(history.Thinned.__init__, "__defaults__", (500,))
     monkeypatch.setattr(navigator, "WORTH_COMPILING", 10**9)
 

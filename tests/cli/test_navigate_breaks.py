@@ -133,7 +133,7 @@ def test_without_truth_it_goes_on_as_before(run: Run, tmp_path: Path, folder: Pa
     said = navigated(run, toml, vectors, out, *PLACE, "--vn", 30, "--roll", 17, "--breaks", "split")
     (warning,) = (w for w in said["warnings"] if "break" in w)
     assert "attitude and velocity are taken over it" in warning
-    assert said["breaks"][0]["then"] == "carried over"
+    assert said["breaks"][0]["then"].startswith("attitude and velocity are taken over it")
     track = NavHistory.concatenate(list(read_truth(out)))
     row = int(np.argmax(np.diff(track.time)))
     before, after = track.state(row), track.state(row + 1)
@@ -143,6 +143,47 @@ def test_without_truth_it_goes_on_as_before(run: Run, tmp_path: Path, folder: Pa
     assert after.q == pytest.approx(before.q, abs=1e-5)
     assert after.h == pytest.approx(before.h - gap * before.v[2])
     assert 6.38e6 * (after.lat - before.lat) == pytest.approx(gap * before.v[0], rel=2e-2)
+
+
+def test_a_truth_that_ends_before_the_break(run: Run, tmp_path: Path, folder: Path) -> None:
+    """The run goes on without it; with one that begins again later it waits for that."""
+    toml, vectors = vectors_of(run, folder, "gap", TURN, "increment", LOST)
+    out, truth = tmp_path / "nav.csv", truth_of(tmp_path, TURN)
+    lines = truth.read_text().splitlines(keepends=True)
+    words = ("--truth", truth, "--breaks", "split")
+    truth.write_text("".join(lines[:1401]))  # to 5.995 s
+    said = navigated(run, toml, vectors, out, *words)
+    assert said["breaks"][0]["then"].startswith("attitude and velocity are taken over it")
+    assert said["seconds"] == pytest.approx(39.965)
+    assert said["errors"]["left_out_s"]["run_after"] == pytest.approx(39.965 - 5.995)
+    truth.write_text("".join([*lines[:1401], *lines[4201:]]))  # and again from 20 s on
+    said = navigated(run, toml, vectors, out, *words)
+    assert said["breaks"][0]["then"] == "begun anew from the truth"
+    assert said["errors"]["attitude_arcsec"]["total"]["final"] < 0.1
+    times = np.array([float(line.split(",")[0]) for line in out.read_text().splitlines()[1:]])
+    assert np.diff(times).max() == pytest.approx(CLOCK + 20.015 - (CLOCK + 10), abs=0.051)
+
+
+def test_aligned_at_first_and_from_the_truth_after_a_break(
+    run: Run, tmp_path: Path, folder: Path
+) -> None:
+    toml, vectors = vectors_of(run, folder, "rest", REST, "rate", slice(4001, 4100))
+    out, truth = tmp_path / "nav.csv", truth_of(tmp_path, REST)
+    words = ("--truth", truth, "--breaks", "split", "--align", 12, "--fine")
+    said = navigated(run, toml, vectors, out, *words)
+    assert said["breaks"][0]["then"] == "begun anew from the truth"
+    assert said["seconds"] == pytest.approx(39.99 - 12.045, abs=0.05)
+
+
+def test_many_breaks(run: Run, tmp_path: Path, folder: Path) -> None:
+    toml, vectors = vectors_of(run, folder, "turnplain", TURN, stamps=False)
+    lines = vectors.read_text().splitlines(keepends=True)
+    holed = tmp_path / "holed.csv"
+    holed.write_text("".join(line for k, line in enumerate(lines) if k % 50 or not k))
+    said = navigated(run, toml, holed, tmp_path / "n.csv", *PLACE, "--breaks", "split")
+    assert len(said["breaks"]) == 15
+    assert sum("a break of 0.05 s" in warning for warning in said["warnings"]) == 5
+    assert said["warnings"][-1] == "10 more breaks"
 
 
 def test_aligned_again(run: Run, tmp_path: Path, folder: Path, refused: Refused) -> None:

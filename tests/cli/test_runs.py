@@ -56,7 +56,9 @@ def test_what_model_says(run: Run, tmp_path: Path, design: Path, log: Path) -> N
     said = json.loads(run("model", design, log, "-o", out, "--json").out)
     assert (said["samples"], said["results"], said["leftover_samples"]) == (27, 4, 3)
     assert said["short_history_results"] == 1
-    assert said["fault_results"] == 0
+    assert said["fault_results"] == said["loss_results"] == 0
+    assert said["rail_results"] == 2  # both ends of the gyro, then of the accelerometer
+    assert "2 results with counts at their rails" in outcome.out
     assert len(out.read_text().splitlines()) == 5
 
 

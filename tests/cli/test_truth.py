@@ -400,7 +400,8 @@ def test_a_truth_of_another_span_is_compared_over_the_overlap(
     errors = said["errors"]
     assert errors["instants"] == 119
     assert errors["left_out_s"] == pytest.approx(
-        {"run_before": 0, "run_after": 10.1, "truth_before": 0, "truth_after": 0}, abs=1e-9
+        {"run_before": 0, "run_after": 10.1, "truth_before": 0, "truth_after": 0, "run_in_gaps": 0},
+        abs=1e-9,
     )
     assert errors["position_m"]["horizontal"]["max"] < 1e-3
     # a truth that goes on before and after what is run
@@ -409,7 +410,8 @@ def test_a_truth_of_another_span_is_compared_over_the_overlap(
     assert (said["start_s"], said["seconds"]) == pytest.approx((5, 7.5))
     assert said["errors"]["instants"] == 151
     assert said["errors"]["left_out_s"] == pytest.approx(
-        {"run_before": 0, "run_after": 0, "truth_before": 5, "truth_after": 7.5}, abs=1e-9
+        {"run_before": 0, "run_after": 0, "truth_before": 5, "truth_after": 7.5, "run_in_gaps": 0},
+        abs=1e-9,
     )
     assert float(out.read_text().splitlines()[-1].split(",")[0]) == pytest.approx(12.5)
 

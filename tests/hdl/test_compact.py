@@ -3,7 +3,6 @@
 import json
 import random
 
-import numpy as np
 import pytest
 from amaranth import ClockDomain, Module
 from amaranth.sim import Simulator
@@ -16,10 +15,11 @@ from sculler_hdl.compact.memory import BlockMemory, _initial_row
 from sculler_hdl.compact.microcode import timing
 from sculler_hdl.compact.pipeline import pipeline
 from sculler_hdl.compact.product import Product
-from sculler_model.cycles import CycleModel
+from sculler_hdl.ports import counter_ports
+from sculler_model.cycles import CycleModel, Ports
 from sculler_model.design import Design
 from sculler_model.stream import words_per_result
-from strategies import DESIGNS, random_counts
+from strategies import DESIGNS, samples_of
 
 
 def compact(design, **hardware):
@@ -31,7 +31,7 @@ class Watched:
 
     def __init__(self, design, seed, offered, taken, resets=()):
         self.model = CycleModel(design, timing(design))
-        self.counts = random_counts(design, 500, np.random.default_rng(seed)).tolist()
+        self.counts = samples_of(design, 500, seed)[0].tolist()
         self.rng = random.Random(seed)
         self.offered, self.taken, self.resets = offered, taken, resets
         self.samples = self.words = 0
@@ -43,6 +43,7 @@ class Watched:
         core = self.core
         ports = [getattr(core, f"sample_{s}_{axis}") for s in ("gyro", "accel") for axis in "xyz"]
         shown = [core.sample_ready, core.result_valid, core.result_data, core.result_last]
+        counters = [getattr(core, port.name) for port in counter_ports(self.model.design)]
         for clock in range(self.clocks):
             counts = self.counts[self.samples % len(self.counts)]
             fault = int(self.rng.random() < 0.1)
@@ -54,11 +55,11 @@ class Watched:
             ctx.set(core.sample_valid, offered)
             ctx.set(core.result_ready, taken)
             ctx.set(self.domain.rst, rst)
-            _, _, ready, valid, word, last = await ctx.tick().sample(*shown)
+            _, _, ready, valid, word, last, *counted = await ctx.tick().sample(*shown, *counters)
             sample = (tuple(counts[:3]), tuple(counts[3:]), fault)
             wanted = self.model.clock(sample if offered else None, taken, rst)
-            got = (ready, valid, (word, last) if valid else (0, 0))
-            assert got == tuple(wanted), f"clock {clock}, word {self.words}"
+            got = Ports(ready, valid, (word, last) if valid else (0, 0), *counted)
+            assert got == wanted, f"clock {clock}, word {self.words}"
             self.samples += offered and ready and not rst
             self.words += valid and taken and not rst
 

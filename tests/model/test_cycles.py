@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sculler_model.cycles import CycleModel, Ports, Timing, result_ports
+from sculler_model.cycles import CycleModel, Dropping, Ports, Timing, result_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.golden import GoldenModel, Sample
@@ -46,21 +47,36 @@ def drive(
     offer: float = 0.7,
     take: float = 0.5,
     reset: float = 0.0,
+    give_up: float = 0.0,
 ) -> list[Clock]:
-    """Clocks with random stalls; an offered sample stays on the port until it is taken."""
+    """Clocks with random stalls; an offered sample stays on the port until it is taken or lost."""
     model = CycleModel(design, timing)
     rng = np.random.default_rng(seed)
     stream = iter(samples(design, clocks, seed))
     waiting: Sample | None = None
     trace = []
-    for offer_now, take_now, reset_now in rng.random((clocks, 3)):
-        if waiting is None and offer_now < offer:
+    pause = False
+    for offer_now, take_now, reset_now, give_up_now in rng.random((clocks, 4)):
+        if waiting is None and offer_now < offer and not pause:
             waiting = next(stream)
         ready, rst = int(take_now < take), int(reset_now < reset)
         trace.append(Clock(waiting, ready, rst, model.clock(waiting, ready, rst)))
-        if trace[-1].out.sample_ready and not rst:
+        taken = trace[-1].out.sample_ready and not rst
+        pause = waiting is not None and not taken and give_up_now < give_up
+        if taken or pause:
             waiting = None
     return trace
+
+
+def losses(trace: list[Clock]) -> list[int]:
+    """The clocks in which a sample turns out to be lost, from the definition."""
+    return [
+        now
+        for now in range(1, len(trace))
+        for before, this in [trace[now - 1 : now + 1]]
+        if before.offered and not before.out.sample_ready and not before.rst
+        if not this.offered and not this.rst
+    ]
 
 
 def words_of(design: Design, result: Result) -> list[tuple[int, int]]:
@@ -83,17 +99,23 @@ def assert_keeps_contract(design: Design, timing: Timing, trace: list[Clock]) ->
     work = timing.work or (0,) * phases
     total = 0
 
+    lost = losses(trace)
     # since reset: its clock, samples accepted (clocks), what is to be shown (clock from which the
     # first part of its result is due, content), and what was taken of it (clocks)
     started, golden = 0, GoldenModel(design)
     accepted: list[int] = []
     parts: list[tuple[int, tuple[int, ...]]] = []
     taken: list[int] = []
+    ends: list[int] = []  # clocks of the intervals' last samples
+    drops: list[int] = []  # clocks in which a result was dropped
     for now, (offered, result_ready, rst, out) in enumerate(trace):
         # the next part is valid when its result is due, and a word some clocks after the last one
         valid = len(taken) < len(parts) and now >= parts[len(taken)][0]
         if taken:
-            valid = valid and now >= taken[-1] + timing.handover_spacing
+            spacing = timing.handover_spacing
+            if timing.dropping and len(taken) % words == 0:
+                spacing = timing.dropping.refill
+            valid = valid and now >= taken[-1] + spacing
         assert out.result_valid == int(valid), now
         # what the ports show without being valid means nothing and is masked
         nothing = (0, 0) if stream else (0,) * len(COLUMNS)
@@ -105,14 +127,28 @@ def assert_keeps_contract(design: Design, timing: Timing, trace: list[Clock]) ->
             now < started + timing.startup,
             bool(accepted) and now < accepted[-1] + timing.spacing,
             work[len(accepted) % phases] > 0 and bool(busy) and now < busy[-1],
-            last_is_next and len(parts) // words - len(taken) // words >= timing.results,
+            last_is_next
+            and not timing.dropping
+            and len(parts) // words - len(taken) // words >= timing.results,
         ]
+        # counters
+        told = bisect_right(lost, now - 2) - bisect_left(lost, started)
+        assert out.samples_lost == max(told, 0), now
+        assert out.results_dropped == sum(drop <= now - 2 for drop in drops), now
         assert out.sample_ready == int(not any(reasons)), (now, reasons)
 
         if rst:
             started, golden = now + 1, GoldenModel(design)
-            accepted, parts, taken = [], [], []
+            accepted, parts, taken, ends, drops = [], [], [], [], []
             continue
+        is_last = bool(offered is not None and out.sample_ready and last_is_next)
+        if timing.dropping and now - timing.dropping.claim in [*ends, *[now] * is_last]:
+            # results made before that are not taken whole before this clock: the second is dropped
+            older = sum(end < now - timing.dropping.claim for end in ends)
+            first = len(taken) // words * words  # its first part
+            if older - len(drops) - first // words > 1:
+                del parts[first + words : first + 2 * words]
+                drops.append(now)
         if out.result_valid and result_ready:
             taken.append(now)
             total += len(taken) % words == 0
@@ -120,6 +156,10 @@ def assert_keeps_contract(design: Design, timing: Timing, trace: list[Clock]) ->
             accepted.append(now)
             result = golden.step(*offered)
             if result is not None:
+                since = ends[-1] if ends else started - 1
+                if bisect_left(lost, now) > bisect_right(lost, since):
+                    result = result._replace(status=result.status | 8)
+                ends.append(now)
                 shown = words_of(design, result) if stream else [result.row()]
                 parts += [(now + timing.latency, part) for part in shown]
     return total
@@ -165,6 +205,64 @@ def test_every_number_of_the_timing(timing: Timing, handover: str) -> None:
         assert assert_keeps_contract(design, timing, trace) >= 1
 
 
+DROPPING = [
+    Timing(5, dropping=Dropping(0, 3)),
+    Timing(11, spacing=2, handover_spacing=1, dropping=Dropping(0, 10)),
+    Timing(90, spacing=7, startup=40, work=(50, 0, 30), dropping=Dropping(88, 3)),
+    Timing(20, spacing=3, handover_spacing=3, dropping=Dropping(18, 3)),
+]
+
+
+@pytest.mark.parametrize("handover", ["parallel", "stream"])
+@pytest.mark.parametrize("timing", [*SLOW, *DROPPING])
+def test_lost_samples_and_dropped_results(timing: Timing, handover: str) -> None:
+    design = with_hardware(DESIGNS["dense_odd_3"], handover=handover)
+    dropped = lost = 0
+    for seed, rates in enumerate([(0.9, 0.02), (0.3, 0.3), (1, 1), (0.9, 0.0005)]):
+        trace = drive(design, timing, 2500, seed, *rates, 0.0005, 0.3)
+        assert_keeps_contract(design, timing, trace)
+        dropped += max(clock.out.results_dropped for clock in trace)
+        lost += max(clock.out.samples_lost for clock in trace)
+    assert (dropped > 0) == (timing.dropping is not None)
+    waits = timing.dropping is None or timing.spacing > 1
+    assert (lost > 0) == waits
+
+
+def test_a_result_that_is_dropped_by_hand() -> None:
+    """A result a clock for ten clocks, to a host that takes the first one in clock 6."""
+    design = make_design("drop", 1, 1, 1, (8, 8))
+    model = CycleModel(design, Timing(latency=2, dropping=Dropping(claim=1, refill=1)))
+    seen = []
+    for now in range(20):
+        sample = ((now, 0, 0), (0, 0, 0), 0) if now < 10 else None
+        seen.append(model.clock(sample, int(now == 6 or now > 12)))
+    assert all(ports.sample_ready for ports in seen)
+    # interval i ends in clock i and claims in i + 1; 1 is dropped in clock 3, 4 in 6, for the first
+    # is taken in that clock; 5 in 7 is first then, and 6 dropped in 8
+    taken = [ports.result[0] for now, ports in enumerate(seen) if now == 6 or now > 12]
+    assert taken[:3] == [0, 5, 9]
+    shown = [ports.result[0] if ports.result_valid else None for ports in seen]
+    assert shown == [None, None, *[0] * 5, *[5] * 7, 9, *[None] * 5]
+    assert [ports.results_dropped for ports in seen] == [
+        *[0] * 5,
+        *[1, 2, 3, 4],
+        *[4, 5, 6, 7],
+        *[7] * 7,
+    ]
+
+
+def test_counters_stay_at_their_highest() -> None:
+    model = CycleModel(DESIGNS["smallest"], Timing(1, startup=1 << 18))
+    for _ in range(65535):
+        model.clock(ZERO, 1)
+        model.clock(None, 1)
+    assert model.ports().samples_lost == 65534
+    for _ in range(10):
+        model.clock(ZERO, 1)
+        model.clock(None, 1)
+    assert model.ports().samples_lost == 65535
+
+
 @settings(max_examples=80, deadline=None)
 @given(
     n=st.integers(1, 3),
@@ -192,7 +290,8 @@ def test_any_timing_and_stalls(
         handover_spacing=data.draw(st.integers(1, 4)),
         results=data.draw(st.integers(1, 3)),
     )
-    assert_keeps_contract(design, timing, drive(design, timing, 300, seed, *rates))
+    give_up = data.draw(st.sampled_from([0, 0.1, 0.5]))
+    assert_keeps_contract(design, timing, drive(design, timing, 300, seed, *rates, give_up))
 
 
 def test_no_stall_when_results_are_taken_at_once() -> None:
@@ -321,6 +420,9 @@ def test_timings_that_cannot_be() -> None:
     ):
         with pytest.raises(ValueError, match="is not allowed, give"):
             Timing(**bad)  # type: ignore[arg-type]
+    for claim, refill in ((-1, 1), (0, 0)):
+        with pytest.raises(ValueError, match="is not allowed, give"):
+            Dropping(claim, refill)
     with pytest.raises(ValueError, match="work: 2 phases are not the design's 3"):
         CycleModel(DESIGNS["dense_odd_3"], Timing(1, work=(1, 2)))
 

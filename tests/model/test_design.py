@@ -574,6 +574,7 @@ class TestHardware:
             ({"core": "compact", "handover": "parallel"}, "handover: not possible with core"),
             ({"handover": "serial"}, "handover: 'serial' is not allowed"),
             ({"target": "ecp6"}, "target: 'ecp6' is not allowed"),
+            ({"overrun": "drop"}, "overrun: 'drop' is not allowed, give \"drop-sample\" or"),
         ],
     )
     def test_what_is_refused(self, keys: dict[str, object], fault: str) -> None:
@@ -589,11 +590,21 @@ class TestHardware:
             {"target": "ecp5"},
             {"multipliers": 28},
             {"handover": "stream"},
+            {"overrun": "drop-result"},
         ]
         designs = [Design.parse({"preset": "stim300", "hardware": each}) for each in keys]
         assert len({design.digest for design in designs}) == len(designs)
         for design in designs:
             assert Design.parse(design.as_json()) == design
+
+    def test_the_usual_overrun_is_no_other_design(self) -> None:
+        usual = Design.parse({"preset": "stim300"})
+        said = Design.parse({"preset": "stim300", "hardware": {"overrun": "drop-sample"}})
+        assert said == usual
+        assert said.digest == usual.digest
+        assert not said.drops_results
+        drops = Design.parse({"preset": "stim300", "hardware": {"overrun": "drop-result"}})
+        assert drops.drops_results
 
 
 class TestHighResolutionPosition:

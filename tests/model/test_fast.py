@@ -228,9 +228,22 @@ def test_faults_mark_their_interval_alone(rng: np.random.Generator) -> None:
     faults = np.zeros(100, np.int8)
     faults[[20, 59, 60]] = 1, 1, -7
     expected = [0, 2, 2, 2, 0]
+    counts = counts.clip(-1000, 1000)  # away from the rails
     assert run_fast(design, counts, faults).status.tolist() == expected
     assert run_fast(design, counts, faults != 0).status.tolist() == expected
     assert in_chunks(design, counts, [30, 59, 70], faults).status.tolist() == expected
+
+
+@pytest.mark.parametrize("dtype", [np.int16, np.int32, np.int64])
+def test_a_count_at_either_end_of_its_own_width_marks_its_interval_alone(dtype: type) -> None:
+    design = make_design("rails", 2, 0, 2, (9, 12))  # -256 to 255, -2048 to 2047
+    counts = np.zeros((44, 6), dtype)
+    counts[[0, 7, 14, 17, 27, 36], [0, 1, 2, 3, 4, 5]] = -256, 255, -255, 255, 2047, -2048
+    counts[[21, 31, 40], [3, 4, 2]] = -256, 2046, 254
+    expected = [4, 4, 0, 0, 0, 0, 4, 0, 0, 4, 0]
+    assert run_fast(design, counts).status.tolist() == expected
+    assert in_chunks(design, counts, [1, 7, 8, 29, 43]).status.tolist() == expected
+    assert golden(design, counts).status.tolist() == expected
 
 
 def test_no_samples() -> None:

@@ -261,6 +261,35 @@ class TestStatus:
         samples: list[Sample] = [(zero, zero, int(t in {4, 7, 11})) for t in range(16)]
         assert [result.status for result in model.run(samples)] == [0, 2, 2, 0]
 
+    @pytest.mark.parametrize("column", range(6))
+    def test_a_count_at_either_rail_marks_its_own_interval(self, column: int) -> None:
+        model = GoldenModel(make_design("rail", 2, 0, 2, (8, 11)))
+        low, high = (-128, 127) if column < 3 else (-1024, 1023)
+        rows = [[0] * 6 for _ in range(24)]
+        for t, count in ((4, low), (11, high), (13, low + 1), (14, high - 1), (16, 127), (23, low)):
+            rows[t][column] = count
+        found = [result.status for result in model.run(samples_of(rows))]
+        assert found == [0, 4, 4, 0, 4 if column < 3 else 0, 4]
+
+    def test_a_lost_sample_marks_the_interval_of_the_next_one(self) -> None:
+        model = GoldenModel(make_design("lost", 2, 0, 2, (8, 8)))
+        found = []
+        for t in range(20):  # lost before samples 0, 6, 7, 12
+            for _ in range({0: 1, 6: 1, 7: 3, 12: 1}.get(t, 0)):
+                model.lose()
+            found.append(model.step((0, 0, 0), (0, 0, 0)))
+        assert [result.status for result in found if result] == [8, 8, 0, 8, 0]
+        model.lose()
+        model.reset()
+        assert [r.status for r in model.run([((0, 0, 0), (0, 0, 0), 0)] * 4)] == [0]
+
+    def test_all_four_bits(self) -> None:
+        model = GoldenModel(DESIGNS["savage_1p1"])
+        model.lose()
+        end = model.design.words.accel.hi
+        samples: list[Sample] = [((0, 0, 0), (0, end, 0), 1)] * 64
+        assert [result.status for result in model.run(samples)] == [15]
+
     def test_both_bits(self) -> None:
         model = GoldenModel(DESIGNS["savage_1p1"])
         zero = (0, 0, 0)
@@ -322,7 +351,7 @@ def test_high_resolution_position_beside_the_six_vectors(name: str) -> None:
         assert found[2:8] == six[2:8]
         assert found[8:] == more[2:]
         assert found.row() == (*six.row()[:1], found.status, *six.row()[2:], *sum(more[2:], ()))
-        assert found.status == (1 if found.major == 0 else six.status)
+        assert found.status == (six.status | 1 if found.major == 0 else six.status)
         assert six[8:] == (None, None, None)
 
 

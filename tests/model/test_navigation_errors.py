@@ -180,7 +180,7 @@ def test_the_overlap_is_compared_and_the_rest_told(
     run, truth = FLIGHT.state(RUN), FLIGHT.state(np.asarray(times, dtype=float))
     comparison = compared(run, truth)
     assert comparison.instants == instants
-    assert comparison.left_out == pytest.approx(left_out, abs=1e-9)
+    assert comparison.left_out == pytest.approx((*left_out, 0), abs=1e-9)
     figures = comparison.figures()
     assert figures["position"]["total"].largest < 1e-6
     assert figures["attitude"]["total"].largest < 1e-6
@@ -200,6 +200,34 @@ def test_nothing_in_common(times: NDArray, message: str) -> None:
         compared(run, truth)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("step", [0.01, 0.004, 0.1])
+def test_a_gap_of_the_truth_is_not_interpolated_over(step: float) -> None:
+    times = step * np.arange(round(2 / step) + 1)
+    times = times[(times < 0.5 + 1e-9) | (times > 1.5 - 1e-9)]
+    comparison = compared(FLIGHT.state(RUN), FLIGHT.state(times))
+    figures = comparison.figures()
+    assert figures["position"]["total"].largest < 1e-6
+    dense = step < 0.02
+    assert comparison.instants == (102 if dense else len(times))
+    assert comparison.left_out.run_in_gaps == pytest.approx(1, abs=0.011)
+
+
+def test_a_run_can_begin_where_the_truth_is_whole() -> None:
+    times = np.concatenate([0.003 + 0.1 * np.arange(6), 4.5 + 0.1 * np.arange(6)])
+    truth = FLIGHT.state(times)
+
+    def start(begin: float) -> tuple[float, bool] | None:
+        comparison = Comparison(blocks(truth, 4), 0.01, "truth.csv")
+        found = comparison.start(begin + 0.01 * np.arange(700))
+        return None if found is None else (round(found.state.time, 9), found.interpolated)
+
+    assert start(-1.0) == (0.01, True)
+    assert start(0.6) == (4.5, False)  # not in the gap
+    assert start(4.52) == (4.6, False)
+    assert start(5.01) is None
+    assert start(4.505) == (4.505, True)
 
 
 def test_no_instant_is_compared_twice() -> None:

@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from sculler_model.cycles import Timing
+from sculler_model.cycles import Dropping, Timing
 from sculler_model.design import Design
 from sculler_model.throughput import clocks_per_major, clocks_per_minor
 
@@ -48,4 +48,6 @@ def test_the_hand_over_can_be_what_takes_longest():
     assert clocks_per_major(stim300, Timing(latency=24)) == 25
     assert clocks_per_major(stim300, Timing(latency=24, results=2)) == 20
     assert clocks_per_major(stim300, Timing(latency=60, results=2)) == 31  # half of 61
+    # where results are dropped samples never wait for them
+    assert clocks_per_major(stim300, Timing(latency=60, dropping=Dropping(0, 9))) == 20
     assert clocks_per_major(parallel, Timing(latency=9, handover_spacing=8, results=2)) == 8

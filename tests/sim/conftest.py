@@ -78,9 +78,10 @@ def stub_core(design: Design, body: str) -> str:
     if design.hardware.handover == "stream":
         outputs += [("result_data", 16), ("result_last", 1)]
     else:
-        outputs += [("result_major", 64), ("result_status", 2)]
+        outputs += [("result_major", 64), ("result_status", 4)]
         widths = [getattr(words, vector).bits for vector in VECTORS for _ in AXES]
         outputs += [(f"result_{name}", bits) for name, bits in zip(COMPONENTS, widths, strict=True)]
+    outputs.append(("samples_lost", 16))
     ports = [f"input [{bits - 1}:0] {name}" for name, bits in inputs]
     ports += [f"output [{bits - 1}:0] {name}" for name, bits in outputs]
     return f"module {design.name} (\n  {', '.join(ports)});\n{body}\nendmodule\n"

@@ -22,13 +22,13 @@ def test_a_trace_tells_the_first_difference():
     counts, faults = samples_of(design, 50, 1)
     one = trace(design, counts, faults, Stimulus.always(), 500, "model")
     other_counts = counts.copy()
-    other_counts[20, 0] ^= 1  # alpha_x of result 20
+    other_counts[17, 2] ^= 1  # alpha_z of result 17
     other = trace(design, other_counts, faults, Stimulus.always(), 500, "verilator")
     clock, port, ours, theirs = one.first_difference(other)
-    assert port == "result_alpha_x"
-    assert one.result[clock, 0] == 20
-    assert one.result[clock, 2] == ours == counts[20, 0]
-    assert other.result[clock, 2] == theirs == other_counts[20, 0]
+    assert port == "result_alpha_z"
+    assert one.result[clock, 0] == 17
+    assert one.result[clock, 4] == ours == counts[17, 2]
+    assert other.result[clock, 4] == theirs == other_counts[17, 2]
 
 
 @pytest.mark.parametrize("engine", ["verilator", "amaranth"])

@@ -76,17 +76,23 @@ def driven(counts, faults, stimulus, words=1):
 
     Returns, until the samples are used up, each clock's (valid, six counts, fault, result_ready,
     rst); for each result the clocks in which its words are taken; and, at the end of the run, the
-    clocks and the samples since reset.
+    clocks, the samples since reset, those taken and those given up.
     """
-    offer, take, rst = (level.tolist() for level in stimulus.levels(0, 20_000))
+    offer, take, rst, give_up = (level.tolist() for level in stimulus.levels(0, 20_000))
     queue = [[*row, int(fault)] for row, fault in zip(counts.tolist(), faults, strict=True)]
-    shown, results, result, waiting = [], [], [], False
+    shown, results, result, waiting, pause = [], [], [], False, False
+    taken = lost = 0
     samples_since_reset = results_since_reset = clock = 0
     while queue or results_since_reset < samples_since_reset // 4:
         if queue:
-            waiting = waiting or bool(offer[clock])
+            waiting = (waiting or bool(offer[clock])) and not pause
             *count, fault = queue[0] if waiting else [*(~c for c in queue[0][:6]), 1]
             shown.append((int(waiting), *count, fault, take[clock], rst[clock]))
+        pause = False
+        if waiting and give_up[clock] and (rst[clock] or not ready(clock)):
+            queue.pop(0)
+            waiting, pause = False, True
+            lost += 1
         if rst[clock]:
             samples_since_reset = results_since_reset = 0
             result = []
@@ -94,6 +100,7 @@ def driven(counts, faults, stimulus, words=1):
             queue.pop(0)
             waiting = False
             samples_since_reset += 1
+            taken += 1
         if take[clock] and valid(clock) and not rst[clock]:
             result = [*result, clock]
             if len(result) == words:
@@ -101,10 +108,27 @@ def driven(counts, faults, stimulus, words=1):
                 results_since_reset += 1
                 result = []
         clock += 1
-    return shown, results, (clock, samples_since_reset)
+    return shown, results, (clock, samples_since_reset, taken, lost)
+
+
+def end_of(progress):
+    """The same of a run."""
+    return progress.clocks, progress.since_reset, progress.samples, progress.lost
 
 
 STIMULI = [Stimulus.always(), Stimulus.stalls(6, 9), Stimulus.stalls(7, 30).with_resets(0, 31, 32)]
+STIMULI += [
+    Stimulus.stalls(2, 9).giving_up(),
+    Stimulus.stalls(5, 30).giving_up().with_resets(0, 3, 31, 32, 33, 60),
+]
+
+
+def test_some_samples_are_given_up():
+    """Of the stimuli above, by those that say so alone."""
+    counts, faults = counts_of(60), faults_of(60)
+    lost = [driven(counts, faults, stimulus)[2][3] for stimulus in STIMULI]
+    assert lost[:3] == [0, 0, 0]
+    assert min(lost[3:]) >= 3
 
 
 @pytest.mark.parametrize("stimulus", STIMULI)
@@ -124,8 +148,9 @@ def test_python_drives_by_the_rules(stimulus):
         drive.clocked(Ports(ready(clock), valid(clock), (clock,)))
     assert shown == expected
     assert [[row[0]] for row in drive.taken] == results
-    assert (progress.samples, progress.results) == (60, len(results))
-    assert (progress.clocks, progress.since_reset) == end
+    assert progress.results == len(results)
+    assert end_of(progress) == end
+    assert progress.samples + progress.lost == 60
 
 
 @pytest.mark.parametrize("stimulus", STIMULI)
@@ -163,8 +188,7 @@ def test_cpp_takes_results_by_the_rules_however_the_samples_are_cut(use_verilog,
         run = simulate(DESIGN, chunks, stimulus=stimulus)
         majors = [[major] for block in run for major in block.major.tolist()]
         assert majors == results
-        assert run.progress.samples == 60
-        assert (run.progress.clocks, run.progress.since_reset) == end
+        assert end_of(run.progress) == end
         assert run.leftover == end[1] % 4
 
 
@@ -193,8 +217,9 @@ def test_python_takes_a_result_word_by_word(stimulus):
         elif valid(clock) and now.result_ready:
             word = 0 if last else word + 1
     assert drive.taken == [echoed(result) for result in results]
-    assert (progress.samples, progress.results) == (60, len(results))
-    assert (progress.clocks, progress.since_reset) == end
+    assert progress.results == len(results)
+    assert end_of(progress) == end
+    assert progress.samples + progress.lost == 60
 
 
 @pytest.mark.parametrize("chunk", [1, 7, 60])
@@ -207,8 +232,7 @@ def test_cpp_takes_a_result_word_by_word_however_the_samples_are_cut(use_verilog
         run = simulate(STREAMING, chunks, stimulus=stimulus)
         rows = [row for block in run for row in block.rows()]
         assert rows == [echoed(result) for result in results]
-        assert run.progress.samples == 60
-        assert (run.progress.clocks, run.progress.since_reset) == end
+        assert end_of(run.progress) == end
 
 
 def test_a_trace_of_a_stream_shows_its_ports_where_they_mean_something(use_verilog):

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from itertools import groupby, pairwise
 
 import numpy as np
@@ -10,9 +11,9 @@ from sculler_sim.stimulus import Stimulus
 
 
 def test_always_is_busy_on_every_clock():
-    offer, take, rst = Stimulus.always().levels(7, 100)
+    offer, take, rst, give_up = Stimulus.always().giving_up().levels(7, 100)
     assert offer.tolist() == take.tolist() == [1] * 100
-    assert rst.tolist() == [0] * 100
+    assert rst.tolist() == give_up.tolist() == [0] * 100
 
 
 @given(
@@ -21,8 +22,8 @@ def test_always_is_busy_on_every_clock():
     cuts=st.lists(st.integers(0, 40_000), min_size=2, max_size=6).map(sorted),
 )
 def test_levels_do_not_depend_on_the_chunks(seed, longest, cuts):
-    stimulus = Stimulus.stalls(seed, longest).with_resets(0, 17, 16_384, 20_000)
-    whole = Stimulus.stalls(seed, longest).with_resets(0, 17, 16_384, 20_000).levels(0, 40_000)
+    stimulus = Stimulus.stalls(seed, longest).giving_up().with_resets(0, 17, 16_384, 20_000)
+    whole = replace(stimulus).levels(0, 40_000)
     for start, end in pairwise(cuts):
         for part, all_ in zip(stimulus.levels(start, end - start), whole, strict=True):
             assert part.dtype == np.uint8
@@ -62,3 +63,13 @@ def test_bad_parameters_are_refused():
         Stimulus.stalls(-1)
     with pytest.raises(ValueError, match="longest: 0"):
         Stimulus.stalls(1, longest=0)
+
+
+def test_samples_are_given_up_in_stretches_and_only_where_asked_for():
+    patient, hasty = Stimulus.stalls(4), Stimulus.stalls(4).giving_up()
+    before, after = patient.levels(0, 1 << 16), hasty.levels(0, 1 << 16)
+    assert not before.give_up.any()
+    assert all((a == b).all() for a, b in zip(before[:3], after[:3], strict=True))
+    runs = [(level, len(list(run))) for level, run in groupby(after.give_up.tolist())]
+    assert max(run for level, run in runs if level == 0) > 128  # patient for long
+    assert 0.05 < after.give_up.mean() < 0.3

@@ -4,14 +4,20 @@ import shutil
 from dataclasses import replace
 
 import pytest
+from amaranth import C, Module, Signal
 
 from bench_files import bench_of, run_bench, shell
+from sculler_hdl.compact.loader import Loader
 from sculler_hdl.core import timing
+from sculler_hdl.parts.losses import Losses, event_counter
+from sculler_hdl.pipelined import PipelinedCore
+from sculler_hdl.verilog import generate
 from sculler_model.cycles import Timing
 from sculler_model.errors import InputError
-from sculler_model.vectors import COLUMNS, VECTORS
+from sculler_model.stream import words_per_column, words_per_result
+from sculler_model.vectors import COLUMNS, STATUS_FAULT, STATUS_LOST, STATUS_RAIL, VECTORS
 from sculler_sim.testbench import write_testbench
-from strategies import DESIGNS, make_design
+from strategies import CORES, DESIGNS, make_design, with_hardware
 
 # results of 18 to 79 bits, major intervals of 1 to 64 samples, dense and compressed tables
 SOME = "stim300_4x5 savage_1p1 taylor_3p3 wide_5p0 rate_2p0 dense_odd_3 smallest late_sum_2".split()
@@ -68,7 +74,7 @@ def test_every_port_is_checked_in_every_bit(icarus, tmp_path):
     assert shell(compile_, tmp_path).returncode == 0
     expected = tmp_path / f"{design.name}_expected.hex"
     whole = expected.read_text()
-    widths = [64, 2] + [getattr(design.words, vector).bits for vector in VECTORS for _ in "xyz"]
+    widths = [64, 4] + [getattr(design.words, vector).bits for vector in VECTORS for _ in "xyz"]
     low = 0
     for line, (column, width) in enumerate(zip(COLUMNS, widths, strict=True)):
         for bit in (0, width - 1):
@@ -99,6 +105,79 @@ def test_a_core_that_breaks_the_handshake_fails(icarus, tmp_path, port, level, e
     assert re.match(rf"FAIL: clock \d+, {port}: {level}, expected {expected}\n", done.stdout), (
         done.stdout
     )
+
+
+def status_column(design, folder):
+    """Status of every result among the bench's golden vectors, from its own file."""
+    lines = (folder / f"{design.name}_expected.hex").read_text().splitlines()
+    if design.hardware.handover == "stream":
+        words = words_per_column(design)
+        return [int(line, 16) & 0xFFFF for line in lines[words :: words_per_result(design)]]
+    return [int(line, 16) >> 64 & 0xF for line in lines]
+
+
+@pytest.mark.parametrize("core", CORES)
+@SOME_DESIGNS
+def test_golden_vectors_have_faults_and_counts_at_rails_and_have_them_not(design, core, tmp_path):
+    """Bits 1 and 2 in the shortest bench too; bit 3 is the bench's own."""
+    design = with_hardware(design, **CORES[core])
+    write_testbench(design, tmp_path, timing(design))
+    found = status_column(design, tmp_path)
+    for bit in (STATUS_FAULT, STATUS_RAIL):
+        assert {bool(status & bit) for status in found} == {False, True}
+    assert not any(status & STATUS_LOST for status in found)
+
+
+def never_rail(self, m, *_):
+    return C(0, 1)
+
+
+def never_forgets(self, platform):
+    """It counts, but keeps telling a loss that a result has told."""
+    m = Module()
+    refused, withdrawn = Signal(), Signal()
+    m.d.sync += [
+        refused.eq(self.sample_valid & ~self.sample_ready),
+        withdrawn.eq(refused & ~self.sample_valid),
+    ]
+    m.d.comb += self.count.eq(event_counter(m, withdrawn, "samples_lost"))
+    with m.If(withdrawn):
+        m.d.sync += self.lost.eq(1)
+    return m
+
+
+def counts_stalls(self, platform):
+    """It takes a sample that waits for one that is lost."""
+    m = Module()
+    waits = Signal()
+    m.d.sync += waits.eq(self.sample_valid & ~self.sample_ready)
+    m.d.comb += self.count.eq(event_counter(m, waits & self.sample_valid, "samples_lost"))
+    return m
+
+
+@pytest.mark.parametrize("core", CORES)
+@pytest.mark.parametrize(
+    ("place", "name", "wrong", "port"),
+    [
+        (PipelinedCore, "_rail", never_rail, "result_(status|data)"),
+        (Losses, "elaborate", lambda *_: Module(), "samples_lost"),
+        (Losses, "elaborate", never_forgets, "result_(status|data)"),
+        (Losses, "elaborate", counts_stalls, "samples_lost"),
+    ],
+)
+def test_a_core_without_status_bits_2_and_3_fails(
+    icarus, tmp_path, monkeypatch, core, place, name, wrong, port
+):
+    if core == "compact" and place is PipelinedCore:
+        place, name, wrong = Loader, "_at_rail", lambda *_: C(0, 1)
+    design = with_hardware(DESIGNS["taylor_2p1"], **CORES[core])
+    commands = bench_of(design, tmp_path)
+    assert shell(commands["icarus"], tmp_path).stdout.startswith("PASS")
+    monkeypatch.setattr(place, name, wrong)
+    text = generate.__wrapped__(design).verilog
+    (tmp_path / f"{design.name}.v").write_text(text)
+    done = shell(commands["icarus"], tmp_path)
+    assert re.match(rf"FAIL: .*, {port}: ", done.stdout), done.stdout
 
 
 def test_a_wrong_latency_fails(icarus, tmp_path):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sculler import terminal
+from sculler import formats, terminal
 
 if TYPE_CHECKING:
     from sculler.conversion import Biases, Conversion
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from sculler_model.navigation.rotation import Vector
     from sculler_model.sampling import Kind, Resampler
 
-_FORMATS = ("csv", "euroc", "ros", "kfgins", "kfgins-binary", "mat", "npz", "parquet", "psins")
 _GYRO_UNITS = ("rad", "deg", "arcsec", "rad/s", "deg/s", "deg/h", "counts")
 _ACCEL_UNITS = ("m/s", "ft/s", "m/s2", "g", "mg", "counts")
 _TIME_UNITS = ("s", "ms", "us", "ns")
@@ -29,7 +28,7 @@ _MAX_GAP = 1.0
 
 
 @click.command(
-    short_help="Make an integer IMU log of CSV, EuRoC, ROS, KF-GINS, MAT, npz, Parquet ...",
+    short_help="Make an integer IMU log of CSV, ROS, MAT, raw datagrams ...",
     epilog=terminal.examples(
         "sculler convert flight.csv -o log.csv --design stim300 --time-column t \\\n"
         "    --gyro-columns wx,wy,wz --gyro-unit deg/s \\\n"
@@ -47,15 +46,16 @@ _MAX_GAP = 1.0
 @click.option(
     "--format",
     "log_format",
-    type=click.Choice(["auto", *_FORMATS]),
+    type=click.Choice(["auto", *formats.MODULES]),
     default="auto",
     help="Format of LOG; auto looks at what is in it.",
 )
 @click.option(
     "--gyro-columns",
     metavar="A,B,C",
-    help="Names or numbers (from 1) of the columns x, y, z, -B for the negative of B; those of the"
-    " format, gyro_x,gyro_y,gyro_z or 1,2,3 (MAT) if left out.",
+    help="Names or numbers (from 1) of the columns x, y, z, -B for the negative of B, or the name"
+    " of one array of three (MAT, npz; imu.gyro in a structure); those of the format if left out,"
+    " or gyro_x,gyro_y,gyro_z.",
 )
 @click.option("--accel-columns", metavar="A,B,C", help="The same of the accelerometer.")
 @click.option(
@@ -64,9 +64,19 @@ _MAX_GAP = 1.0
 @click.option(
     "--gyro-unit",
     type=click.Choice(_GYRO_UNITS),
-    help="Required for CSV, MAT, npz and Parquet, unless the file says it.",
+    help="Required for CSV, MAT, npz and Parquet, unless the file says it; of raw datagrams those"
+    " of the sensor, or counts for the design's own.",
 )
 @click.option("--accel-unit", type=click.Choice(_ACCEL_UNITS), help="The same.")
+@click.option(
+    "--gyro-scale",
+    type=terminal.number_type(0, above=True),
+    metavar="X",
+    help="How many of its unit the number 1 is, of columns or datagrams that count.",
+)
+@click.option(
+    "--accel-scale", type=terminal.number_type(0, above=True), metavar="X", help="The same."
+)
 @click.option("--time-unit", type=click.Choice(_TIME_UNITS), help="s if left out and not known.")
 @click.option(
     "--delimiter",
@@ -74,7 +84,8 @@ _MAX_GAP = 1.0
     help="comma, semicolon, tab, space or one character; found out if left out.",
 )
 @click.option("--skip-rows", type=click.IntRange(min=0), help="Lines of CSV before its header.")
-@click.option("--variable", metavar="NAME", help="The matrix of a MAT file.")
+@click.option("--variable", metavar="NAME", help="A matrix of a MAT, HDF5 or npz file.")
+@click.option("--topic", metavar="NAME", help="The topic of a ROS bag, where it has several.")
 @click.option(
     "--cumulative",
     is_flag=True,
@@ -176,9 +187,11 @@ def command(
 ) -> None:
     """Make an integer IMU log of LOG.
 
-    LOG is CSV with units, EuRoC's or ROS's CSV, increments of KF-GINS (text or binary), MAT, .npz,
-    Parquet, or laser-gyro text (.imu).  Numbers are brought to the design's counts with the
-    remainder carried to the next sample, as a pulse-counting sensor does, so no angle is lost.
+    LOG is CSV with units, EuRoC's or ROS's CSV, increments of KF-GINS (text or binary), MAT, HDF5,
+    .npz, Parquet, a ROS bag or MCAP, laser-gyro text (.imu), or raw datagrams of a STIM300,
+    NovAtel, VectorNav, Xsens, ADIS or HG4930 (docs/formats.md).  Numbers are brought to the
+    design's counts with the remainder carried to the next sample, as a pulse-counting sensor does,
+    so no angle is lost.
     Rates become increments where the sensor counts increments, and the reverse.  Numbers that
     already are the design's counts pass unchanged.  Time stamps are checked against the sample
     rate; gaps and unequal steps are told.
@@ -263,7 +276,8 @@ def command(
         "biases": asdict(biases),
         "misalignment": mounting.misalignment,
         "timing": None,
-        "warnings": [*conversion.hints(), *watch.warnings()],
+        "datagrams": None if recording.datagrams is None else asdict(recording.datagrams),
+        "warnings": [*recording.warnings, *conversion.hints(), *watch.warnings()],
     }
     if timing is not None:
         data["timing"] = timing_told.as_json(timing, design, gaps, steps)
@@ -286,141 +300,49 @@ def _format(log: Path, log_format: str, options: dict[str, Any]) -> str:
     from sculler.readers.detect import detect
 
     columns_given = options["gyro_columns"] is not None or options["accel_columns"] is not None
-    delimiter = _delimiter(options)
-    return detect(log, delimiter, options["skip_rows"] or 0, columns_given)
-
-
-_UNITS = {"gyro_unit", "accel_unit"}
-_COLUMNS = {"gyro_columns", "accel_columns", "time_column", "time_unit"} | _UNITS
-_USED_BY = {
-    "csv": _COLUMNS | {"delimiter", "skip_rows"},
-    "euroc": _UNITS | {"time_column", "time_unit", "delimiter", "skip_rows"},
-    "ros": _UNITS | {"time_column", "time_unit", "delimiter", "skip_rows"},
-    "kfgins": _UNITS,
-    "kfgins-binary": _UNITS,
-    "mat": _COLUMNS | {"variable"},
-    "npz": _UNITS | {"time_unit"},
-    "parquet": _COLUMNS,
-    "psins": set(),
-}
-_USUAL_UNITS = {
-    "euroc": ("rad/s", "m/s2"),
-    "ros": ("rad/s", "m/s2"),
-    "kfgins": ("rad", "m/s"),
-    "kfgins-binary": ("rad", "m/s"),
-}
+    return detect(log, options["delimiter"], options["skip_rows"] or 0, columns_given)
 
 
 def _open(
     log: Path, log_format: str, design: Design, advance: Advance, options: dict[str, Any]
 ) -> Recording:
     """The recording, by the reader of its format."""
+    from sculler.readers import ACCEL_UNITS, GYRO_UNITS
+    from sculler.readers.format import Request
+
+    reader = formats.find(log_format)
     for name, value in options.items():
-        if value is not None and name not in _USED_BY[log_format]:
+        if value is not None and name not in reader.options:
             raise click.UsageError(
                 f"--{name.replace('_', '-')} is not used for format {log_format}, leave it out"
             )
-    if log_format == "psins":
-        from sculler.readers.psins import read_psins
-
-        return read_psins(log, design, advance)
-    time, time_unit = options["time_column"], options["time_unit"]
-    if log_format in ("npz", "parquet"):
-        from sculler.readers.arrays import read_npz, read_parquet
-
-        gyro_or_none, accel_or_none = _optional_units(options)
-        if log_format == "npz":
-            return read_npz(log, gyro_or_none, accel_or_none, time_unit, advance)
-        columns = _columns(options, None)
-        return read_parquet(log, columns, time, time_unit, gyro_or_none, accel_or_none, advance)
-
-    gyro, accel = _units(options, log_format)
-    if log_format in ("kfgins", "kfgins-binary"):
-        from sculler.readers.kfgins import read_kfgins, read_kfgins_binary
-
-        read = read_kfgins if log_format == "kfgins" else read_kfgins_binary
-        return read(log, gyro, accel, advance)
-    if log_format == "mat":
-        from sculler.readers.mat import read_mat
-
-        numbers = [_number(column) for column in _columns(options, "1,2,3 4,5,6") or ()]
-        time_number = None if time is None else _number(time)
-        return read_mat(
-            log, options["variable"], numbers, time_number, gyro, accel, time_unit or "s", advance
-        )
-
-    from sculler.readers.delimited import Layout, read_delimited
-
-    layout = Layout(
-        _columns(options, None),
-        time,
-        time_unit,
-        _delimiter(options),
-        options["skip_rows"] or 0,
-        None if log_format == "csv" else log_format,
+    request = Request(
+        design,
+        advance,
+        gyro_columns=_columns(options, "gyro"),
+        accel_columns=_columns(options, "accel"),
+        time=options["time_column"],
+        time_unit=options["time_unit"],
+        gyro=None if options["gyro_unit"] is None else GYRO_UNITS[options["gyro_unit"]],
+        accel=None if options["accel_unit"] is None else ACCEL_UNITS[options["accel_unit"]],
+        gyro_scale=options["gyro_scale"],
+        accel_scale=options["accel_scale"],
+        delimiter=options["delimiter"],
+        skip_rows=options["skip_rows"] or 0,
+        variable=options["variable"],
+        topic=options["topic"],
     )
-    return read_delimited(log, layout, gyro, accel, advance)
+    return reader.open(log, request)
 
 
-def _delimiter(options: dict[str, Any]) -> str | None:
-    from sculler.readers.delimited import DELIMITERS
-
-    delimiter: str | None = options["delimiter"]
-    if delimiter is not None and delimiter not in DELIMITERS and len(delimiter) != 1:
-        raise click.UsageError(
-            f"--delimiter: {delimiter!r} is not known, give {', '.join(DELIMITERS)} or one"
-            " character"
-        )
-    return delimiter
-
-
-def _units(options: dict[str, Any], log_format: str) -> tuple[Unit, Unit]:
-    """The units asked for, or those that the format always has."""
-    gyro, accel = _optional_units(options)
-    usual_gyro, usual_accel = _USUAL_UNITS.get(log_format, (None, None))
-    from sculler.readers import ACCEL_UNITS, GYRO_UNITS
-
-    if gyro is None and usual_gyro is not None:
-        gyro = GYRO_UNITS[usual_gyro]
-    if accel is None and usual_accel is not None:
-        accel = ACCEL_UNITS[usual_accel]
-    for unit, name, known in ((gyro, "gyro", _GYRO_UNITS), (accel, "accel", _ACCEL_UNITS)):
-        if unit is None:
-            raise click.UsageError(f"--{name}-unit is missing, give one of {', '.join(known)}")
-    assert gyro is not None
-    assert accel is not None
-    return gyro, accel
-
-
-def _optional_units(options: dict[str, Any]) -> tuple[Unit | None, Unit | None]:
-    from sculler.readers import ACCEL_UNITS, GYRO_UNITS
-
-    gyro, accel = options["gyro_unit"], options["accel_unit"]
-    return (
-        None if gyro is None else GYRO_UNITS[gyro],
-        None if accel is None else ACCEL_UNITS[accel],
-    )
-
-
-def _columns(options: dict[str, Any], defaults: str | None) -> list[str] | None:
-    """The six columns; None if none are given and there are no defaults."""
-    given = [options["gyro_columns"], options["accel_columns"]]
-    if given == [None, None] and defaults is None:
+def _columns(options: dict[str, Any], sensor: str) -> list[str] | None:
+    """The columns of a sensor as they are given."""
+    text = options[f"{sensor}_columns"]
+    if text is None:
         return None
-    gyro, accel = (defaults or "gyro_x,gyro_y,gyro_z accel_x,accel_y,accel_z").split()
-    return _triple(options, "gyro", gyro) + _triple(options, "accel", accel)
-
-
-def _triple(options: dict[str, Any], sensor: str, default: str) -> list[str]:
-    from sculler.readers.columns import split_sign
-
-    text = options[f"{sensor}_columns"] or default
     columns = [column.strip() for column in text.split(",")]
-    bare = {split_sign(column)[1] for column in columns}
-    if len(columns) != 3 or not all(columns) or len(bare) != 3:
-        raise click.UsageError(
-            f"--{sensor}-columns: {text!r} is not allowed, give three different columns x,y,z"
-        )
+    if not all(columns):
+        raise click.UsageError(f"--{sensor}-columns: {text!r} is not allowed, give x,y,z")
     return columns
 
 
@@ -428,8 +350,11 @@ def _signs(options: dict[str, Any]) -> list[float]:
     """The signs of the six columns."""
     from sculler.readers.columns import split_sign
 
-    columns = _columns(options, None) or ["x"] * 6
-    return [split_sign(column)[0] for column in columns]
+    signs: list[float] = []
+    for sensor in ("gyro", "accel"):
+        each = [split_sign(column)[0] for column in _columns(options, sensor) or ["x"] * 3]
+        signs += each * 3 if len(each) == 1 else each
+    return signs
 
 
 def _differences(
@@ -454,15 +379,6 @@ def _differences(
     return Differences(log, columns, bits)
 
 
-def _number(column: str) -> int:
-    from sculler.readers.columns import split_sign
-
-    _, column = split_sign(column)
-    if not column.isdecimal():
-        raise click.UsageError(f"column {column!r} is not allowed, MAT columns are numbers from 1")
-    return int(column)
-
-
 def _vector(
     option: str, text: str | None, log: Path, log_format: str, units: dict[str, float]
 ) -> Vector:
@@ -471,7 +387,7 @@ def _vector(
 
     if text is None:
         return (0.0, 0.0, 0.0)
-    if text.isidentifier() and log_format == "mat":
+    if text.replace(".", "_").isidentifier() and log_format in ("mat", "hdf5"):
         from sculler.readers.mat import mat_vector
 
         return mat_vector(log, text)

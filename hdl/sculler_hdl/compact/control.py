@@ -16,6 +16,8 @@ CONDITIONS = data.StructLayout(
         "major_end": 1,
         "fault": 1,
         "short": 1,
+        "rail": 1,
+        "lost": 1,
     }
 )
 """What the engine knows of the sample it works on.
@@ -23,7 +25,8 @@ CONDITIONS = data.StructLayout(
 first_minor: in the first minor interval of its major interval; first_major: in the first major
 interval since reset; major_end: the last of its major interval; fault: the sensor marked a sample
 of the major interval; short: a tap or weight used in the major interval reaches before the first
-sample.
+sample; rail: a count of the major interval stood at its rail; lost: a sample was lost since the
+last sample of the one before.
 """
 
 
@@ -32,11 +35,13 @@ class Control(wiring.Component):
 
     Members:
         take, fault (in): a sample is taken in this clock, and the sensor's mark.
+        lost (in): one was lost before it.
+        rail (in): the count whose digits are being loaded is at its rail.
         loaded (in): it is in the sample memory from the next clock on.
         result_taken (in): the last word of a result is taken in this clock.
         has_work (out): the phase of the sample that is being loaded, or comes next, has work.
         blocked (out): that sample ends a major interval, and the previous result is not taken
-            whole, not in this clock either.
+            whole, not in this clock either; never where the design drops results.
         conditions (out): of that sample.
     """
 
@@ -46,6 +51,8 @@ class Control(wiring.Component):
             {
                 "take": In(1),
                 "fault": In(1),
+                "lost": In(1),
+                "rail": In(1),
                 "loaded": In(1),
                 "result_taken": In(1),
                 "has_work": Out(1),
@@ -62,28 +69,33 @@ class Control(wiring.Component):
         short = short_majors(self.design)
         major = Signal(range(max(short, 1) + 1))  # stays at its largest
         awaited = Signal()  # a major interval has ended and its result is not yet taken whole
-        fault = Signal()
+        fault, lost, rail = Signal(), Signal(), Signal()
         minor_end = Signal()
         m.d.comb += [
             minor_end.eq(phase == n - 1),
             self.has_work.eq(phase.matches(*(k - 1 for k in program(self.design).phases))),
-            self.blocked.eq(self.conditions.major_end & awaited & ~self.result_taken),
             self.conditions.first_minor.eq(minor == 0),
             self.conditions.first_major.eq(major == 0),
             self.conditions.major_end.eq(minor_end & (minor == minors - 1)),
             self.conditions.fault.eq(fault),
             self.conditions.short.eq(major < short if short else 0),
+            self.conditions.rail.eq(rail | self.rail),
+            self.conditions.lost.eq(lost),
         ]
+        if not self.design.drops_results:
+            m.d.comb += self.blocked.eq(self.conditions.major_end & awaited & ~self.result_taken)
         with m.If(self.result_taken):
             m.d.sync += awaited.eq(0)
-        with m.If(self.take & self.fault):
-            m.d.sync += fault.eq(1)
+        m.d.sync += rail.eq(self.conditions.rail)
+        with m.If(self.take):
+            m.d.sync += [fault.eq(fault | self.fault), lost.eq(lost | self.lost)]
         with m.If(self.loaded):
             m.d.sync += phase.eq(phase + 1)
             with m.If(minor_end):
                 m.d.sync += [phase.eq(0), minor.eq(minor + 1)]
             with m.If(self.conditions.major_end):
-                m.d.sync += [minor.eq(0), fault.eq(0), awaited.eq(1)]
+                m.d.sync += [minor.eq(0), awaited.eq(1)]
+                m.d.sync += [fault.eq(0), lost.eq(0), rail.eq(0)]
                 with m.If(major != max(short, 1)):
                     m.d.sync += major.eq(major + 1)
         return m

@@ -17,6 +17,7 @@ from sculler_hdl.compact.memory import BlockMemory
 from sculler_hdl.compact.microcode import timing
 from sculler_hdl.compact.program import OPERAND
 from sculler_hdl.compact.reader import Reader
+from sculler_hdl.parts.losses import Losses, event_counter
 from sculler_hdl.ports import port_members
 from sculler_model.design import Design
 from sculler_model.stream import WORD_BITS
@@ -30,6 +31,7 @@ class CompactCore(wiring.Component):
         sample_valid, sample_ready; sample_gyro_x..z, sample_accel_x..z (signed counts),
         sample_fault.
         result_valid, result_ready, result_data, result_last: the words of `sculler_model.stream`.
+        samples_lost, and results_dropped where the design drops results.
 
     Args:
         design: the design.
@@ -57,6 +59,7 @@ class CompactCore(wiring.Component):
         m.submodules.loader = loader = Loader(self.design)
         m.submodules.engine = engine = Engine(self.design, primitive=self.primitive)
         m.submodules.reader = reader = Reader(self.design)
+        m.submodules.losses = losses = Losses()
         m.submodules.samples = samples = BlockMemory(
             target, OPERAND.bits, [0] * (1 << len(loader.address)), primitive=self.primitive
         )
@@ -80,6 +83,11 @@ class CompactCore(wiring.Component):
             samples.write_data.eq(loader.data),
             control.take.eq(take),
             control.fault.eq(self.sample_fault),
+            control.lost.eq(losses.lost),
+            control.rail.eq(loader.rail),
+            losses.sample_valid.eq(self.sample_valid),
+            losses.sample_ready.eq(self.sample_ready),
+            self.samples_lost.eq(losses.count),
             control.loaded.eq(loader.loaded),
             control.result_taken.eq(reader.taken),
             # the engine works on it
@@ -101,4 +109,7 @@ class CompactCore(wiring.Component):
             self.result_data.eq(results.data),
             self.result_last.eq(reader.last),
         ]
+        if self.design.drops_results:
+            dropped = event_counter(m, reader.dropped, "results_dropped")
+            m.d.comb += self.results_dropped.eq(dropped)
         return m

@@ -21,7 +21,8 @@ from sculler_hdl.compact.pipeline import pipeline
 from sculler_hdl.compact.product import Product
 from sculler_hdl.compact.program import OPERAND, When, kept_samples, program, sample_words
 from sculler_model.design import Design
-from sculler_model.stream import WORD_BITS, words_per_result
+from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
+from sculler_model.vectors import STATUS_LOST, STATUS_RAIL
 
 BITS = OPERAND.bits
 
@@ -81,6 +82,9 @@ class Engine(wiring.Component):
         left, right = self._operands(m, operands, word)
         constant = operands.as_value()[: program(self.design).constant_bits].as_signed()
         digit = self._accumulate(m, word, left, right, constant)
+        # two bits of the status are put in where it is stored, for they need no instruction
+        status = self.design.columns.index("status") * words_per_column(self.design)
+        flags = Mux(self.present.rail, STATUS_RAIL, 0) | Mux(self.present.lost, STATUS_LOST, 0)
         for memory, store in ((self.left, word.store_left), (self.right, word.store_right)):
             m.d.comb += [
                 memory.write.eq(store & self.step),
@@ -90,7 +94,7 @@ class Engine(wiring.Component):
         m.d.comb += [
             self.store.eq(word.store_result & self.step),
             self.store_address.eq(word.address),
-            self.store_data.eq(digit),
+            self.store_data.eq(digit[:WORD_BITS] | Mux(word.address == status, flags, 0)),
             self.other_bank.eq(self.starting & word.sample),
         ]
         return m

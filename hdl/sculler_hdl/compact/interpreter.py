@@ -14,7 +14,8 @@ from sculler_hdl.compact.program import (
     short_majors,
 )
 from sculler_model.golden import Sample
-from sculler_model.stream import WORD_BITS, words_per_result
+from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
+from sculler_model.vectors import STATUS_RAIL
 from sculler_model.wordlength import Interval
 
 
@@ -36,6 +37,7 @@ class Interpreter:
         self.samples: list[list[int]] = []  # digits of each sample, newest last
         self.t = 0
         self.fault = 0
+        self.rail = 0
 
     def step(self, sample: Sample) -> list[int] | None:
         """Take a sample; the words of the result on a major interval's last, else None."""
@@ -50,6 +52,8 @@ class Interpreter:
             ]
         )
         self.fault |= fault
+        for counts, number in ((gyro, design.words.gyro), (accel, design.words.accel)):
+            self.rail |= int(number.lo in counts or number.hi in counts)
         n, length = design.algorithm.samples, design.samples_per_major
         phase, major = self.t % n + 1, self.t // length
         first_minor = self.t % length < n
@@ -67,11 +71,13 @@ class Interpreter:
         self.t += 1
         if self.t % length:
             return None
-        self.fault = 0
         filled = self.memory["result"]
         self.memory["result"], self.other_bank = self.other_bank, filled
-        words = range(words_per_result(design))
-        return [filled[word] & (1 << WORD_BITS) - 1 for word in words]
+        words = [filled[word] & (1 << WORD_BITS) - 1 for word in range(words_per_result(design))]
+        # the engine puts it in where the status is stored
+        words[design.columns.index("status") * words_per_column(design)] |= STATUS_RAIL * self.rail
+        self.fault = self.rail = 0
+        return words
 
     def _digits(self, count: int, needed: int) -> list[int]:
         """A count's digits, padded with words that nothing reads."""

@@ -31,6 +31,7 @@ class Loader(wiring.Component):
         gyro, accel (in): its counts.
         busy (out): writing.
         loaded (out): a sample's last digit is written in this clock.
+        rail (out): the count whose digit is being written is at its rail.
         slot (out): the newest sample's.
         write, address, data (out): to the sample memory; the address is the index in the slot,
             then the slot.
@@ -50,6 +51,7 @@ class Loader(wiring.Component):
                 "accel": In(data.ArrayLayout(signed(words.accel.bits), 3)),
                 "busy": Out(1, init=1),
                 "loaded": Out(1),
+                "rail": Out(1),
                 "slot": Out(slot_bits),
                 "write": Out(1),
                 "address": Out(index_bits + slot_bits),
@@ -79,7 +81,10 @@ class Loader(wiring.Component):
             m.d.sync += [count.eq(new) for count, new in zip(counts, sample, strict=True)]
         with m.Elif(top):
             m.d.sync += [count.eq(new) for count, new in pairwise(counts)]
-        m.d.comb += self.data.eq(self._digit(counts[0], index))
+        m.d.comb += [
+            self.data.eq(self._digit(counts[0], index)),
+            self.rail.eq(self.busy & ~clearing & self._at_rail(counts[0], index)),
+        ]
 
         with m.If(self.busy):
             m.d.sync += index.eq(index + 1)
@@ -92,6 +97,20 @@ class Loader(wiring.Component):
         with m.If(self.take):
             m.d.sync += [self.busy.eq(1), self.slot.eq(self.slot + 1)]
         return m
+
+    def _at_rail(self, count: Signal, index: Signal) -> Value:
+        """Whether every bit of the count differs from its sign, which fills up a narrower one."""
+        gyro, accel = self.design.words.gyro.bits, self.design.words.accel.bits
+        narrow = min(gyro, accel) - 1
+
+        def differ(bits: Value) -> Value:
+            return (bits ^ count[-1].replicate(len(bits))).all()
+
+        whole = differ(count[:narrow])
+        if gyro == accel:
+            return whole
+        is_gyro = index < self.words // 2
+        return whole & (differ(count[narrow:-1]) | (is_gyro if gyro < accel else ~is_gyro))
 
     def _digit(self, count: Signal, index: Signal) -> Value:
         """The digit to write: signed if it is its count's only or top one."""

@@ -27,7 +27,7 @@ from sculler_hdl.compact.program import (
     program,
     sample_words,
 )
-from sculler_model.cycles import Timing
+from sculler_model.cycles import Dropping, Timing
 from sculler_model.design import Design
 
 
@@ -180,13 +180,16 @@ def timing(design: Design) -> Timing:
         for phase, release in code.release.items()
     }
     end = code.lengths[n] - 1 - delays.memory
+    published = loaded + (end + delays.memory + 1) * delays.step - 1
+    handover = 1 + delays.memory
     return Timing(
-        latency=loaded + (end + delays.memory + 1) * delays.step + delays.memory,
+        latency=published + handover,
         spacing=loaded + 1,
         startup=max(
             kept_samples(design) * load_clocks(design) + 1,  # zeros for samples before the first
             code.startup + 1,  # constants
         ),
         work=tuple(work.get(k, 0) for k in range(1, n + 1)),
-        handover_spacing=1 + delays.memory,
+        handover_spacing=handover,
+        dropping=Dropping(published + 1, handover) if design.drops_results else None,
     )

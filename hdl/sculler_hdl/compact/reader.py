@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth import Cat, Module, Signal
+from amaranth import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -12,15 +12,20 @@ from sculler_model.stream import words_per_result
 
 
 class Reader(wiring.Component):
-    """Streams one bank of the result memory while the engine fills the other.
+    """Streams one bank of the result memory while the engine fills another.
+
+    There are two banks.  Where the design drops results there are four: one is shown, one holds a
+    result that waits, one is filled, one is never used; a bank that is filled while another waits
+    takes its place, and what waited is dropped.
 
     Members:
-        publish (in): the bank being filled is complete; it is shown from the next clock on, and
-            the other is filled.
+        publish (in): the bank being filled is complete; it is shown, if it can be, from the next
+            clock on, and another is filled.
         filling (out): the bank being filled.
         address (out): of the result memory: the word, then the bank.
         valid, last (out), ready (in): the stream's, its data being the memory's.
         taken (out): the last word is taken in this clock.
+        dropped (out): a result was dropped two clocks ago.
 
     A word is valid `memory_latency` + 1 clocks after the one before was taken, and that latency
     after the clock following `publish`.
@@ -29,25 +34,29 @@ class Reader(wiring.Component):
     def __init__(self, design: Design) -> None:
         self.words = words_per_result(design)
         self.wait = memory_latency(design.hardware.target)
+        self.drops = design.drops_results
+        self.bank_bits = 2 if self.drops else 1
         super().__init__(
             {
                 "publish": In(1),
-                "filling": Out(1),
-                "address": Out((self.words - 1).bit_length() + 1),
+                "filling": Out(self.bank_bits),
+                "address": Out((self.words - 1).bit_length() + self.bank_bits),
                 "valid": Out(1),
                 "last": Out(1),
                 "ready": In(1),
                 "taken": Out(1),
+                "dropped": Out(1),
             }
         )
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
         word = Signal(range(self.words))
-        waiting = Signal()  # a result that is not yet taken whole
+        waiting = Signal()  # a result is shown that is not yet taken whole
         ahead = Signal(range(self.wait + 1))  # clocks until the word is there
+        begin, shown = self._begin(m, waiting) if self.drops else (self.publish, ~self.filling)
         m.d.comb += [
-            self.address.eq(Cat(word, ~self.filling)),
+            self.address.eq(Cat(word, shown)),
             self.valid.eq(waiting & (ahead == 0)),
             self.last.eq(word == self.words - 1),
             self.taken.eq(self.valid & self.ready & self.last),
@@ -58,6 +67,33 @@ class Reader(wiring.Component):
             m.d.sync += [word.eq(word + 1), ahead.eq(self.wait)]
         with m.If(self.taken):
             m.d.sync += [word.eq(0), waiting.eq(0)]
-        with m.If(self.publish):
-            m.d.sync += [waiting.eq(1), ahead.eq(self.wait), self.filling.eq(~self.filling)]
+        with m.If(begin):
+            m.d.sync += [waiting.eq(1), ahead.eq(self.wait)]
+        if not self.drops:
+            with m.If(begin):
+                m.d.sync += self.filling.eq(~self.filling)
         return m
+
+    def _begin(self, m: Module, waiting: Value) -> tuple[Value, Value]:
+        """Whether a result is shown from the next clock on, and the bank that is now."""
+        shown, behind = Signal(2, init=1), Signal(2, init=2)
+        full = Signal()  # there is a result in `behind`
+        free, begin, dropped = Signal(), Signal(), Signal()
+        m.d.comb += [
+            free.eq(~waiting | self.taken),
+            begin.eq(free & (full | self.publish)),
+        ]
+        m.d.sync += [
+            dropped.eq(self.publish & full & ~free),
+            self.dropped.eq(dropped),
+            full.eq((full & ~free) | (self.publish & (full | ~free))),
+        ]
+        with m.If(begin):
+            m.d.sync += shown.eq(Mux(full, behind, self.filling))
+        with m.If(self.publish & (full | ~free)):
+            m.d.sync += behind.eq(self.filling)
+        with m.Elif(begin & full):
+            m.d.sync += behind.eq(shown)
+        with m.If(self.publish):
+            m.d.sync += self.filling.eq(Mux(free, shown, behind))
+        return begin, shown

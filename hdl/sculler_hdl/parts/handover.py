@@ -7,11 +7,15 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.parts.layout import vector
+from sculler_hdl.parts.losses import event_counter
 from sculler_hdl.parts.words import Arrival, FlagLine, spans
-from sculler_model.cycles import PORT_MAJOR_BITS
+from sculler_model.cycles import COUNTER_BITS, PORT_MAJOR_BITS
 from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS, VECTORS, columns_of
+from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS, STATUS_BITS, VECTORS, columns_of
 from sculler_model.wordlength import WordLengths
+
+LIMB = WORD_BITS
+"""Bits of a result's number that are counted at a time."""
 
 Arrivals = Mapping[str, list[Arrival]]
 """For each vector, when the bits of its three components are there.  Left out: always 0."""
@@ -74,6 +78,7 @@ class Moves:
     Args:
         arrivals: when the bits are there.
         clock: of `major_end`, a clock before the result's status is there.
+        majors: limbs of the result's number that go with it, one a clock from its status on.
 
     Attributes:
         way: clocks from the decision that a result goes to where its first bits do: registers on
@@ -84,21 +89,24 @@ class Moves:
         least_gap: clocks from one interval's last sample to the next one's, at least.
         possible: that the next result's bits come late enough if it is let in when, of the two
             before, the first has been taken.
+        claim: the last clock in which it may still be decided that the result before goes, so that
+            its bits have gone when this one's come.
     """
 
     way = 3
 
-    def __init__(self, arrivals: Arrivals, clock: int) -> None:
-        complete = complete_clock(arrivals)
+    def __init__(self, arrivals: Arrivals, clock: int, majors: int = 0) -> None:
+        complete = max(complete_clock(arrivals), clock + majors)
         self.steps = min(6, complete - clock + 2 - self.way)
         self.start = complete - self.steps + 1
         self.latency = complete + 2
         self.refill = self.way + self.steps + 2
         comes = {
-            clock + 1,
+            *range(clock + 1, clock + 1 + max(majors, 1)),
             *(when for three in arrivals.values() for one in three for _, when in one),
         }
         self.least_gap = max(self.start + 1 + self.step(when) - when for when in comes)
+        self.claim = min(when - self.step(when) for when in comes) - self.way
         self.possible = all(when > self.step(when) + self.way for when in comes)
 
     def step(self, clock: int) -> int:
@@ -116,11 +124,16 @@ class HandOver(wiring.Component):
 
         input ─▶ collected ─▶ output
 
+    It is the same where results are `drop`ped, but the sequencer sees to nothing: a result that has
+    not gone on from where it is collected when the next one's bits come is lost.
+
     Members:
-        major_end (clock `clock`): the result of a major interval is on its way.
+        claim (clock `moves.claim`): the result of a major interval will be on its way.
+        major_end (clock `clock`): it is.
         status (clock `clock` + 1): its status.
         input: the bits of its components, as `arrivals` says.
         ready, valid, taken: the host's handshake; `taken` in the clock it takes the result.
+        dropped: how many results were dropped.
         shown_major, shown_status, output: what the host sees; nothing of use while `valid` is low.
 
     Args:
@@ -128,30 +141,39 @@ class HandOver(wiring.Component):
         arrivals: when their bits are there.
         clock: that `major_end` belongs to, not after the first bits.
         results: how many there is room for, 1 or 2.
+        drop: whether results are dropped.
 
     Attributes:
         latency: clocks from an interval's last sample to `valid`.
     """
 
     def __init__(
-        self, words: WordLengths, arrivals: Arrivals, clock: int, results: int = 1
+        self,
+        words: WordLengths,
+        arrivals: Arrivals,
+        clock: int,
+        results: int = 1,
+        drop: bool = False,
     ) -> None:
         self.layout = result_layout(words)
         self.arrivals = dict(arrivals)
         self.clock = clock
-        self.moves = Moves(arrivals, clock) if results == 2 else None
+        self.majors = PORT_MAJOR_BITS // LIMB if drop else 0
+        self.moves = Moves(arrivals, clock, self.majors) if results == 2 or drop else None
         self.complete = complete_clock(arrivals)
         self.latency = self.moves.latency if self.moves else self.complete + 1
         super().__init__(
             {
+                "claim": In(1),
                 "major_end": In(1),
-                "status": In(2),
+                "status": In(STATUS_BITS),
                 "input": In(self.layout),
                 "ready": In(1),
                 "valid": Out(1),
                 "taken": Out(1),
+                "dropped": Out(unsigned(COUNTER_BITS)),
                 "shown_major": Out(unsigned(PORT_MAJOR_BITS)),
-                "shown_status": Out(2),
+                "shown_status": Out(STATUS_BITS),
                 "output": Out(self.layout),
             }
         )
@@ -162,39 +184,84 @@ class HandOver(wiring.Component):
         m.d.comb += self.taken.eq(self.valid & self.ready)
         was_taken = Signal()
         m.d.sync += was_taken.eq(self.taken)
-        m.d.comb += self.shown_major.eq(_counter(m, was_taken, PORT_MAJOR_BITS))
 
         status_clock = self.clock + 1
         status_pulse = collector.takes.rest.at(status_clock)
-        pieces = [("status", status_clock, status_pulse, self.status, self.shown_status)]
+        pieces: list[Piece] = [("status", status_clock, status_pulse, self.status)]
+        ports = [Value.cast(self.shown_status)]
+        if self.majors:
+            pieces += _majors(m, collector.takes.rest, status_clock, self.majors)
+            ports += [self.shown_major.word_select(i, LIMB) for i in range(self.majors)]
+        else:
+            m.d.comb += self.shown_major.eq(_counter(m, was_taken, PORT_MAJOR_BITS))
         for name, axis, lo, clock, pulse, bits in collector.pieces(self.input):
-            port = self.output[name][axis][lo : lo + len(bits)]
-            pieces.append((name, clock, pulse, bits, port))
+            pieces.append((name, clock, pulse, bits))
+            ports.append(self.output[name][axis][lo : lo + len(bits)])
         if self.moves is None:
             show = collector.takes.rest.at(self.complete)
-            for _, _, pulse, bits, port in pieces:
-                with m.If(pulse):
-                    m.d.sync += port.eq(bits)
+            shown = [(pulse, bits) for _, _, pulse, bits in pieces]
         else:
-            starts = self._starts(m, self.moves, collector.takes.rest, was_taken)
-            show = FlagLine(m, "show", starts).at(self.moves.way + self.moves.steps - 1)
-            lines = _Lines(m, "moves", starts)
-            for i, (name, clock, pulse, bits, port) in enumerate(pieces):
-                collected = Signal(len(bits), name=f"collected{i}_{name}", reset_less=True)
-                with m.If(pulse):
-                    m.d.sync += collected.eq(bits)
-                with m.If(lines.of(name).at(self.moves.way + self.moves.step(clock))):
-                    m.d.sync += port.eq(collected)
+            going = _Going(m, self.moves, collector.takes.rest, was_taken, self.claim)
+            show, shown = going.show, going.collected(pieces)
+            if self.majors:
+                m.d.comb += self.dropped.eq(event_counter(m, going.dropped, "results_dropped"))
+        for (pulse, bits), port in zip(shown, ports, strict=True):
+            with m.If(pulse):
+                m.d.sync += port.eq(bits)
         m.d.sync += self.valid.eq(show | (self.valid & ~self.ready))
         return m
 
-    def _starts(self, m: Module, moves: Moves, line: FlagLine, taken: Value) -> Value:
-        """The decision that a result goes: it is due, and the one before it has been taken."""
-        waits, busy, starts = Signal(), Signal(), Signal()
+
+Piece = tuple[str, int, Value, Value]
+"""Bits of a result that come together: of what, when, the pulse that takes them, the bits."""
+
+
+class _Going:
+    """Results go on from where they are collected.
+
+    Args:
+        m: the module.
+        moves: when their bits do.
+        line: `major_end`.
+        taken: the clock before the host took a result whole.
+        claim: the next result will be on its way: what has not gone by then is dropped.
+
+    Attributes:
+        dropped: the result that waits is dropped.
+        lines: the decision that a result goes, by what is moved.
+        show: its last bits go.
+    """
+
+    def __init__(self, m: Module, moves: Moves, line: FlagLine, taken: Value, claim: Value) -> None:
+        self.m = m
+        self.moves = moves
+        waits, busy, starts, self.dropped = Signal(), Signal(), Signal(), Signal(name="dropped")
         due = line.at(moves.start + 1 - moves.way) | waits
-        m.d.comb += starts.eq(due & ~busy)
-        m.d.sync += [waits.eq(due & busy), busy.eq(starts | (busy & ~taken))]
-        return starts
+        m.d.comb += [starts.eq(due & ~busy), self.dropped.eq(due & busy & claim)]
+        m.d.sync += [
+            waits.eq(due & busy & ~claim),
+            busy.eq(starts | (busy & ~taken)),
+        ]
+        self.show = FlagLine(m, "show", starts).at(moves.way + moves.steps - 1)
+        self.lines = _Lines(m, "moves", starts)
+
+    def collected(self, pieces: list[Piece]) -> list[tuple[Value, Value]]:
+        """Each piece where it is collected, with the pulse by which it goes on from there."""
+        going: list[tuple[Value, Value]] = []
+        for i, (name, clock, pulse, bits) in enumerate(pieces):
+            held = Signal(len(bits), name=f"collected{i}_{name}", reset_less=True)
+            with self.m.If(pulse):
+                self.m.d.sync += held.eq(bits)
+            going.append((self.lines.of(name).at(self.moves.way + self.moves.step(clock)), held))
+        return going
+
+
+def _majors(m: Module, line: FlagLine, clock: int, limbs: int) -> list[Piece]:
+    """The number of each result of `line`, limb by limb, one a clock."""
+    number = _counter(m, line.at(clock), LIMB * limbs)
+    return [
+        ("major", clock + i, line.at(clock + i), number.word_select(i, LIMB)) for i in range(limbs)
+    ]
 
 
 class StreamHandOver(wiring.Component):
@@ -208,12 +275,16 @@ class StreamHandOver(wiring.Component):
     The shift register moves one clock after `data`, which meanwhile looks one word further back,
     so that the host's `ready` drives few registers.
 
+    Where results are `drop`ped they are collected apart from the shift register, as in `HandOver`.
+
     Members:
-        major_end (clock `clock`): the result of a major interval is on its way.
+        claim (clock `moves.claim`): the result of a major interval will be on its way.
+        major_end (clock `clock`): it is.
         status (clock `clock` + 1): its status.
         input: the bits of its components, as `arrivals` says.
         ready, valid: the host's handshake for each word; data, last: the word.
         taken: in the clock the host takes the last word.
+        dropped: how many results were dropped.
 
     A word every clock.
 
@@ -222,29 +293,38 @@ class StreamHandOver(wiring.Component):
         column_words: words of each column.
         arrivals: when the bits of the components are there.
         clock: that `major_end` belongs to, not after the first bits.
+        drop: whether results are dropped.
 
     Attributes:
         latency: clocks from an interval's last sample to `valid`.
     """
 
     def __init__(
-        self, words: WordLengths, column_words: int, arrivals: Arrivals, clock: int
+        self,
+        words: WordLengths,
+        column_words: int,
+        arrivals: Arrivals,
+        clock: int,
+        drop: bool = False,
     ) -> None:
         self.column_words = column_words
         self.arrivals = dict(arrivals)
         self.clock = clock
+        self.moves = Moves(arrivals, clock, column_words) if drop else None
         self.complete = complete_clock(arrivals)
-        self.latency = self.complete + 1
+        self.latency = self.moves.latency if self.moves else self.complete + 1
         layout = result_layout(words)
         self.columns = columns_of(tuple(layout.members))
         super().__init__(
             {
+                "claim": In(1),
                 "major_end": In(1),
-                "status": In(2),
+                "status": In(STATUS_BITS),
                 "input": In(layout),
                 "ready": In(1),
                 "valid": Out(1),
                 "taken": Out(1),
+                "dropped": Out(unsigned(COUNTER_BITS)),
                 "data": Out(unsigned(WORD_BITS)),
                 "last": Out(1),
             }
@@ -279,28 +359,44 @@ class StreamHandOver(wiring.Component):
             for word, behind in zip(words[1:], [*words[2:], C(0, WORD_BITS)], strict=True):
                 m.d.sync += word.eq(behind)
 
-        # a result's bits to their places
-        major = _counter(m, self.major_end, WORD_BITS * self.column_words)
-        with m.If(self.major_end):
-            for i in range(self.column_words):
-                m.d.sync += words[i].eq(major.word_select(i, WORD_BITS))
-            m.d.sync += [left.eq(count - 1), self.last.eq(0)]
-        with m.If(collector.takes.rest.at(self.clock + 1)):
-            m.d.sync += words[self.column_words].eq(self.status)
-        for name, axis, lo, _, pulse, bits in collector.pieces(self.input):
-            column = self.columns.index(f"{name}_{AXES[axis]}")
+        # a result's bits to their places: bit `lo` of a column's value
+        rest, status_clock = collector.takes.rest, self.clock + 1
+        pieces: list[Piece] = [("status", status_clock, rest.at(status_clock), self.status)]
+        places = [("status", 0)]
+        for name, axis, lo, clock, pulse, bits in collector.pieces(self.input):
             total = Value.cast(self.input[name][axis])
             if lo + len(bits) == len(total):  # the sign goes on to the column's end
                 missing = WORD_BITS * self.column_words - len(total)
                 bits = Cat(bits, bits[-1].replicate(missing))
+            pieces.append((name, clock, pulse, bits))
+            places.append((f"{name}_{AXES[axis]}", lo))
+        if self.moves is None:
+            begins, show = self.major_end, rest.at(self.complete)
+            major = _counter(m, self.major_end, WORD_BITS * self.column_words)
+            shown = [(pulse, bits) for _, _, pulse, bits in pieces]
+            shown.append((self.major_end, major))
+            places.append(("major", 0))
+        else:
+            was_taken = Signal()
+            m.d.sync += was_taken.eq(self.taken)
+            pieces += _majors(m, rest, status_clock, self.column_words)
+            places += [("major", i * LIMB) for i in range(self.column_words)]
+            going = _Going(m, self.moves, rest, was_taken, self.claim)
+            begins, show = going.lines.rest.at(self.moves.way), going.show
+            shown = going.collected(pieces)
+            m.d.comb += self.dropped.eq(event_counter(m, going.dropped, "results_dropped"))
+        with m.If(begins):
+            m.d.sync += [left.eq(count - 1), self.last.eq(0)]
+        for (pulse, bits), (column, lo) in zip(shown, places, strict=True):
+            first = self.columns.index(column) * self.column_words
             with m.If(pulse):
                 while len(bits):
                     number, offset = divmod(lo, WORD_BITS)
                     part, bits = bits[: WORD_BITS - offset], bits[WORD_BITS - offset :]
-                    word = words[column * self.column_words + number]
+                    word = words[first + number]
                     m.d.sync += word[offset : offset + len(part)].eq(part)
                     lo += len(part)
-        with m.If(collector.takes.rest.at(self.complete)):
+        with m.If(show):
             m.d.sync += self.valid.eq(1)
         return m
 
@@ -308,9 +404,9 @@ class StreamHandOver(wiring.Component):
 def _counter(m: Module, step: Value, bits: int) -> Value:
     """The number of `step`s, which have to be two clocks apart or more.
 
-    Its limbs of 16 bits change one by one: it is right a clock for each of them after a step.
+    Its limbs of `LIMB` bits change one by one: it is right a clock for each of them after a step.
     """
-    limbs = [Signal(min(16, bits - lo), name=f"major_{lo}") for lo in range(0, bits, 16)]
+    limbs = [Signal(min(LIMB, bits - lo), name=f"major_{lo}") for lo in range(0, bits, LIMB)]
     for i, limb in enumerate(limbs):
         with m.If(step):
             m.d.sync += limb.eq(limb + 1)

@@ -1,6 +1,6 @@
 """Sequencing: which sample is which, and when the next one may come."""
 
-from amaranth import C, Module, Mux, Signal
+from amaranth import C, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -13,10 +13,12 @@ class Sequencer(wiring.Component):
 
     `sample_ready` is a register.  It is low for `spacing` - 1 clocks after a sample, and while the
     next sample would end a major interval and as many `results` as there is room for are under way
-    or have not been taken: so the result registers cannot be overwritten.
+    or have not been taken: so the result registers cannot be overwritten, unless the design drops
+    results.
 
     Members:
         sample_valid, sample_ready, sample_fault: the sample port's handshake.
+        sample_lost (in): one was lost before the sample taken in this clock.
         result_taken (in): the host takes the waiting result, to its last word, in this clock.
         taken (out): a sample is taken in this clock.
         launch: one whose phase has a non-zero tap row, or is its minor interval's last.
@@ -27,6 +29,7 @@ class Sequencer(wiring.Component):
         short: a tap or weight in use, or high-resolution position, reached before the first sample
             since reset.
         fault: the sensor's own mark.
+        lost: a sample was lost before it.
     Where no sample was taken these mean nothing.
 
     Args:
@@ -45,6 +48,7 @@ class Sequencer(wiring.Component):
                 "sample_valid": In(1),
                 "sample_ready": Out(1, init=1),
                 "sample_fault": In(1),
+                "sample_lost": In(1),
                 "result_taken": In(1),
                 "taken": Out(1),
                 "launch": Out(1),
@@ -54,6 +58,7 @@ class Sequencer(wiring.Component):
                 "first": Out(1),
                 "short": Out(1),
                 "fault": Out(1),
+                "lost": Out(1),
             }
         )
 
@@ -101,24 +106,10 @@ class Sequencer(wiring.Component):
             with m.If(ends_minor):
                 m.d.sync += minor.eq(Mux(ends_major, 0, (minor + 1)[: len(minor)]))
 
-        # whether it may come: an interval's last one only if there is room for the result
-        # awaited[i]: more than i results under way or not yet taken; left[i]: after this clock
-        ended = accept & ends_major
-        awaited = [Signal(name=f"awaited{i}") for i in range(self.results)]
-        left = [
-            Mux(self.result_taken, more, this)
-            for this, more in zip(awaited, [*awaited[1:], C(0, 1)], strict=True)
-        ]
-        for this, less, remains in zip(awaited, [C(1, 1), *left], left, strict=False):
-            m.d.sync += this.eq(remains | (ended & less))
-        full = left[-1]
-        if last == 0:
-            m.d.sync += self.sample_ready.eq(~(accept | full))
-        else:  # while an end is awaited `ends_major` keeps samples back
-            to_end = ends_major | (self.sample_valid & then_ends_major)
-            if self.spacing > 1:
-                to_end = ends_major | (accept & then_ends_major)
-            m.d.sync += self.sample_ready.eq(~(full & to_end))
+        if self.design.drops_results:
+            m.d.sync += self.sample_ready.eq(1)
+        else:
+            self._wait_for_room(m, accept, ends_major, then_ends_major, last == 0)
         if self.spacing > 1:
             wait = Signal(range(self.spacing - 1))
             with m.If(accept):
@@ -144,5 +135,34 @@ class Sequencer(wiring.Component):
             self.phase.eq(phase),
             self.first.eq(first),
             self.fault.eq(self.sample_fault),
+            self.lost.eq(self.sample_lost),
         ]
         return m
+
+    def _wait_for_room(
+        self, m: Module, accept: Value, ends_major: Value, then_ends_major: Value, always: bool
+    ) -> None:
+        """Keep an interval's last sample back while there is no room for its result.
+
+        Args:
+            accept: a sample is taken.
+            ends_major, then_ends_major: the next one is an interval's last; the one after it.
+            always: every one is.
+        """
+        # awaited[i]: more than i results under way or not yet taken; left[i]: after this clock
+        ended = accept & ends_major
+        awaited = [Signal(name=f"awaited{i}") for i in range(self.results)]
+        left = [
+            Mux(self.result_taken, more, this)
+            for this, more in zip(awaited, [*awaited[1:], C(0, 1)], strict=True)
+        ]
+        for this, less, remains in zip(awaited, [C(1, 1), *left], left, strict=False):
+            m.d.sync += this.eq(remains | (ended & less))
+        full = left[-1]
+        if always:
+            m.d.sync += self.sample_ready.eq(~(accept | full))
+        else:  # while an end is awaited `ends_major` keeps samples back
+            to_end = ends_major | (self.sample_valid & then_ends_major)
+            if self.spacing > 1:
+                to_end = ends_major | (accept & then_ends_major)
+            m.d.sync += self.sample_ready.eq(~(full & to_end))
