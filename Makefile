@@ -1,6 +1,8 @@
 # sculler: every target does its own set-up (a virtual environment in .venv).
 #   make demo    the main job end to end, files and pictures in build/demo
 #   make test    lint and all tests
+#   make test-lowest  the tests of what depends on others, with every dependency at its floor
+#   make fuzz SEED=1 N=5000  corrupted inputs of every verb; findings in build/fuzz
 #   make lint    formatter, linter, type checker, import directions
 #   make bench   speeds, medians of several runs
 #   make accuracy  docs/accuracy.md and its pictures: the papers' figures beside ours
@@ -12,7 +14,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: demo test lint format bench accuracy hardware clean setup
+.PHONY: demo test test-lowest fuzz lint format bench accuracy hardware clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -31,6 +33,31 @@ demo: $(READY)
 
 test: lint
 	$(BIN)/pytest -n auto --dist worksteal
+
+fuzz: SEED ?= 1
+fuzz: N ?= 5000
+fuzz: $(READY)
+	cd tests && ../$(BIN)/python -m fuzz --seed $(SEED) --cases $(N)
+
+# The floors are those of pyproject.toml, found by uv.  First without any extra, then with all.
+LOWEST := .venv-lowest
+UV     := $(LOWEST)/bin/uv pip install --quiet --python $(LOWEST)/bin/python
+EXTRAS := sim,plots,formats,fast,place
+
+test-lowest:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info >= (3, 13))' || \
+	  { echo "the floors have no wheels for this Python: make test-lowest PYTHON=python3.11" >&2; exit 2; }
+	$(PYTHON) -m venv --clear $(LOWEST)
+	$(LOWEST)/bin/pip install --quiet --disable-pip-version-check 'uv>=0.5,<1'
+	$(UV) --resolution lowest-direct --editable .
+	$(UV) 'pytest>=8.2,<10' 'pytest-xdist>=3.5,<4' 'hypothesis>=6.100,<7'
+	SCULLER_BASE=1 $(LOWEST)/bin/pytest -n auto -q tests/cli/test_base_install.py
+	$(UV) --resolution lowest-direct --editable '.[$(EXTRAS)]'
+	@# old releases use what newer Pythons and each other give up
+	$(LOWEST)/bin/pytest -n auto --dist worksteal -q -W ignore::DeprecationWarning $(LOWEST_TESTS)
+
+LOWEST_TESTS := tests/model tests/cli tests/hdl/test_verilog.py tests/sim/test_verilator_build.py \
+  tests/sim/test_waves.py tests/sim/test_vectors_file.py
 
 lint: $(READY)
 	$(BIN)/ruff format --check .
@@ -54,5 +81,5 @@ hardware: $(READY)
 	$(BIN)/python -m sculler.hardware
 
 clean:
-	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) $(LOWEST) .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache
 	find build -mindepth 1 ! -name README.md -delete

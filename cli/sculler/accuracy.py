@@ -354,7 +354,7 @@ def runge_kutta_drift(hertz: float, filtered: bool, turns: int = 40) -> float:
     omega = 2 * pi * hertz
     motion, h = Coning(ZENG_HALF_ANGLE, omega), 2 * ZENG_T
     steps = round(turns / (hertz * h))
-    rates = motion.rates(2 * steps + 1, ZENG_T, -1, filtered)[:, :3].tolist()
+    rates = motion.rates(2 * steps + 1, ZENG_T, filtered=filtered)[:, :3].tolist()
     q = _quaternion(motion, 0.0)
 
     def slope(at: Quaternion, rate: list[float]) -> Quaternion:

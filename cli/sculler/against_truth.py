@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sculler import terminal
 from sculler.history import Thinned
@@ -16,16 +16,17 @@ from sculler_model.navigation import NavHistory, NavState
 from sculler_model.navigation_errors import (
     COMPONENTS,
     NAUTICAL_MILE,
-    SAME_INSTANT,
     Comparison,
     Figures,
     NavErrors,
+    Start,
     navigation_errors,
 )
-from sculler_model.navigation_errors import rows as states
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+Array = NDArray[np.float64]
 
 ARCSEC = np.degrees(1) * 3600
 """Arcseconds in a radian."""
@@ -54,29 +55,45 @@ class AgainstTruth:
     Args:
         path: the truth file.
         interval: a major interval, s.
-        begin: pass over what comes before this time, s; there must be a row at it.
+
+    Attributes:
+        passed_over: rows of the truth that were passed over because of NaN.
 
     Raises:
         InputError: the file cannot be read or has a fault.
     """
 
-    def __init__(self, path: Path, interval: float, begin: float | None = None) -> None:
+    def __init__(self, path: Path, interval: float) -> None:
         self.path = path
-        blocks = read_truth(path)
-        if begin is not None:
-            blocks = _since(begin, blocks)
+        self.passed_over = 0
+        blocks = read_truth(path, passed_over=self._pass_over)
         self._comparison = Comparison(blocks, interval, str(path))
-        if begin is not None and self.first.time > begin + SAME_INSTANT:
-            raise InputError(
-                f"{path}: the truth has no row at {begin:.9g} s, where the run is to begin, only"
-                f" at {self.first.time:.9g} s; give that to --start"
-            )
         self._estimate, self._truth = Thinned(), Thinned()
+
+    def _pass_over(self, rows: int) -> None:
+        self.passed_over += rows
 
     @property
     def first(self) -> NavState:
         """The truth's first state."""
         return self._comparison.first
+
+    @property
+    def known(self) -> tuple[str, ...]:
+        """Which of attitude, velocity and position the truth tells."""
+        return self._comparison.known
+
+    def start(self, instants: Array) -> Start | None:
+        """Where a run can begin; see `Comparison.start`."""
+        return self._comparison.start(instants)
+
+    def no_overlap(self, begin: float, end: float) -> InputError:
+        """What to say of a run that has nothing in common with the truth."""
+        return self._comparison.no_overlap(begin, end)
+
+    def begin(self) -> None:
+        """A new stretch of the run, after a break; see `Comparison.begin`."""
+        self._comparison.begin()
 
     def add(self, part: NavHistory) -> None:
         """Take the next states."""
@@ -95,6 +112,9 @@ class AgainstTruth:
             "truth": str(self.path),
             "instants": comparison.instants,
             "interpolated": comparison.interpolated,
+            "rows_passed_over": self.passed_over,
+            "left_out_s": comparison.left_out._asdict(),
+            "step_s": comparison.step,
         }
         for quantity, by_component in comparison.figures().items():
             _, scale, key = UNITS[quantity]
@@ -103,7 +123,8 @@ class AgainstTruth:
                 name: _scaled(figures, scale)
                 for name, figures in zip(names, by_component.values(), strict=True)
             }
-        data["horizontal_growth_nmi_per_h"] = comparison.growth * MILES_PER_HOUR
+        if "position" in self.known:
+            data["horizontal_growth_nmi_per_h"] = comparison.growth * MILES_PER_HOUR
         return data
 
     @property
@@ -115,14 +136,6 @@ class AgainstTruth:
         """Estimate, truth and errors at not too many instants, for pictures."""
         estimate, truth = self._estimate.history(), self._truth.history()
         return estimate, truth, navigation_errors(estimate, truth)
-
-
-def _since(begin: float, blocks: Iterator[NavHistory]) -> Iterator[NavHistory]:
-    """The states from a time on."""
-    for block in blocks:
-        later = states(block, block.time > begin - SAME_INSTANT)
-        if len(later):
-            yield later
 
 
 def _scaled(figures: Figures, scale: float) -> dict[str, float]:
@@ -137,6 +150,8 @@ def rows(errors: dict[str, Any]) -> list[tuple[str, ...]]:
     """Lines of the table of errors: what, unit, rms, largest, final."""
     lines = []
     for quantity, (unit, _, key) in UNITS.items():
+        if key not in errors:  # the truth does not tell it
+            continue
         for name, figures in zip(NAMES[quantity], errors[key].values(), strict=True):
             numbers = (terminal.three_digits(figures[k]) for k in ("rms", "max", "final"))
             lines.append((f"{quantity}, {name}", unit, *numbers))
@@ -160,9 +175,32 @@ def facts(errors: dict[str, Any]) -> dict[str, str]:
     instants = f"{errors['instants']:,} instants of {errors['truth']}"
     if errors["interpolated"]:
         instants += f", {errors['interpolated']:,} of them by interpolation"
-    growth = errors["horizontal_growth_nmi_per_h"]
-    return {
-        "compared at": instants,
-        "horizontal error": f"grows {terminal.three_digits(growth)} nautical miles an hour (the"
-        " line through zero that fits best)",
+    shown = {"compared at": instants}
+    if errors["rows_passed_over"]:
+        shown["truth passed over"] = (
+            f"{terminal.plural(errors['rows_passed_over'], 'row')} with NaN"
+        )
+    if left := _left_out(errors):
+        shown["left out"] = left
+    if "horizontal_growth_nmi_per_h" in errors:
+        growth = terminal.three_digits(errors["horizontal_growth_nmi_per_h"])
+        shown["horizontal error"] = (
+            f"grows {growth} nautical miles an hour (the line through zero that fits best)"
+        )
+    return shown
+
+
+def _left_out(errors: dict[str, Any]) -> str:
+    """What only one of run and truth has, where it is more than a step of the truth."""
+    words = {
+        "run_before": "{} s of the run before the truth begins",
+        "run_after": "{} s of the run after it ends",
+        "truth_before": "{} s of the truth before the run begins",
+        "truth_after": "{} s of the truth after it ends",
     }
+    left = errors["left_out_s"]
+    return ", ".join(
+        text.format(f"{left[key]:,.6g}")
+        for key, text in words.items()
+        if left[key] > 1.5 * errors["step_s"]
+    )

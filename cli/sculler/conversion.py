@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler.log_beginning import LogBeginning
 from sculler.mounting import Mounting
 from sculler.readers import Unit
 from sculler_model.design import Design
@@ -78,18 +79,14 @@ class Conversion:
         self.samples = 0
         self.largest = np.zeros(6, np.int64)
         self._sizes = np.zeros(2)  # sums of |rate| and |specific force|
+        self._beginning = LogBeginning(design)
 
     def _lsb(self, sensor: str) -> float:
         return self._design.sensor.gyro.lsb if sensor == "gyro" else self._design.sensor.accel.lsb
 
     def _si(self, sensor: str) -> float:
         """SI value, in the design's kind, of one unit."""
-        unit, T = self._units[sensor], self._design.sample_interval
-        if unit.si is None:
-            return self._lsb(sensor)
-        if unit.kind in (None, self._design.sensor.kind):
-            return unit.si
-        return unit.si * T if unit.kind == "rate" else unit.si / T
+        return si_of_unit(self._design, sensor, self._units[sensor])
 
     def _own(self, sensor: str) -> bool:
         """Whether the numbers of `gyro` or `accel` are in the design's own unit."""
@@ -139,6 +136,7 @@ class Conversion:
                 counts[:, part] = whole[:, part]
         self.samples += len(values)
         self.largest = np.maximum(self.largest, np.abs(counts).max(axis=0))
+        self._beginning(si)
         self._sizes += [np.linalg.norm(si[:, part], axis=1).sum() for part in _TRIPLES.values()]
         return counts
 
@@ -152,7 +150,8 @@ class Conversion:
         over = self._design.sample_interval if self._design.sensor.kind == "increment" else 1.0
         rate, force = (self._sizes / self.samples / over).tolist()
         hints = []
-        if not 0.5 * _GRAVITY < force < 3 * _GRAVITY:
+        wrong_size = not 0.5 * _GRAVITY < force < 3 * _GRAVITY
+        if wrong_size:
             slip = next(
                 (
                     f" ({name}?)"
@@ -161,9 +160,11 @@ class Conversion:
                 ),
                 "",
             )
+            steady = None if slip else self._beginning.size_hint()
             hints.append(
-                f"the mean specific force is {force:.4g} m/s², far from gravity's 9.8{slip}: check"
-                " the accelerometer's unit and scale"
+                steady
+                or f"the mean specific force is {force:.4g} m/s², far from gravity's 9.8{slip}:"
+                " check the accelerometer's unit and scale"
             )
         if not 0.2 * _EARTH_RATE < rate < _FAST:
             than = "more than vehicles turn" if rate > _FAST else "less than the Earth turns"
@@ -171,7 +172,7 @@ class Conversion:
                 f"the mean angular rate is {rate:.4g} rad/s, {than}: check the gyro's unit and"
                 " scale"
             )
-        return hints
+        return hints if wrong_size else [*hints, *self._beginning.hints()]
 
     @property
     def remainder(self) -> tuple[float, ...]:
@@ -194,3 +195,20 @@ class Conversion:
                 f" {allowed.hi}"
             )
         raise InputError(f"{where} is not a whole number of counts, check the unit")
+
+
+def si_of_unit(design: Design, sensor: str, unit: Unit) -> float:
+    """SI value, in the design's kind, of one unit of a number; the interval turns rates and means.
+
+    Args:
+        design: gives kind, scales and sample interval.
+        sensor: `gyro` or `accel`.
+        unit: of the number.
+    """
+    if unit.si is None:
+        lsb: float = getattr(design.sensor, sensor).lsb
+        return lsb
+    if unit.kind in (None, design.sensor.kind):
+        return unit.si
+    T = design.sample_interval
+    return unit.si * T if unit.kind == "rate" else unit.si / T

@@ -48,7 +48,9 @@ def write_document(path: Path, compute: Callable[[Path], tuple[str, list[Path]]]
     text, pictures = compute(images)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    terminal.report({}, False, f"wrote {path} and {len(pictures)} pictures in {images}")
+    terminal.report(
+        {}, False, f"wrote {terminal.verbatim(path)} and {len(pictures)} pictures in {images}"
+    )
 
 
 def paragraph(text: str) -> str:

@@ -1,9 +1,12 @@
 """IMU logs as the core sees them: CSV of integer counts, one sample a row (DESIGN section 4).
 
 The header names the columns `gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z`, in any order, and
-optionally `fault` (0 or 1).  Reading streams in bounded memory: each block of the file goes through
-a strict vectorised parser, and only a block that this parser will not take is read again line by
-line, to say which value of which line is wrong.
+optionally `fault` (0 or 1), `time_s` (the stamp, decimal seconds of the log's own clock) and
+`sequence` (a whole number that counts samples).  Reading streams in bounded memory: each block of
+the file goes through a strict vectorised parser (`plain_rows`), and only a block that this parser
+will not take is read again line by line, to say which value of which line is wrong.
+
+The stamp of an increment is the end of its step, that of a rate the instant it holds at.
 """
 
 from __future__ import annotations
@@ -15,29 +18,44 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler.plain_rows import Rows, parse
 from sculler_model.design import Design
 from sculler_model.errors import InputError
+from sculler_sim.files import open_blocks
 
 COUNTS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
-FAULT = "fault"
+FAULT, TIME, SEQUENCE = "fault", "time_s", "sequence"
+OPTIONAL = (FAULT, TIME, SEQUENCE)
 HEADER = ",".join(COUNTS)
 
-Chunk = tuple[NDArray[np.int64], NDArray[np.uint8] | None]
-"""Counts (N, 6) in the order of `COUNTS`, and fault flags (N,) where the log has them."""
+
+class Chunk(NamedTuple):
+    """Consecutive samples of a log.
+
+    `counts` is (N, 6) in the order of `COUNTS`.  The others are (N,), and None where the log has
+    no such column: `faults` of 0 and 1; `times`, the stamps, s; `sequence`, the sample counter.
+    """
+
+    counts: NDArray[np.int64]
+    faults: NDArray[np.uint8] | None = None
+    times: NDArray[np.float64] | None = None
+    sequence: NDArray[np.int64] | None = None
+
 
 BLOCK_BYTES = 1 << 18
 """Bytes of a log parsed at a time: the parser's arrays then stay in the processor's cache."""
 
 _AHEAD = 3  # chunks
-_MAX_DIGITS = 10  # a 32-bit count has no more
 _INTEGER = re.compile(rb"[ \t]*[+-]?[0-9]+[ \t]*")
+_DECIMAL = re.compile(rb"[ \t]*[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*")
+_MOST_SECONDS = 1e12  # 30,000 years: a stamp beyond is in another unit
+_MOST_SEQUENCE = 10**18
 _MAX_HEADER = 4096  # bytes; a binary file may have no line end for long
-_ZERO, _MINUS = np.uint8(ord("0")), np.uint8(ord("-"))
 
 
 def read_log(
@@ -51,8 +69,8 @@ def read_log(
         advance: told the bytes read, block by block.
 
     Yields:
-        (counts, faults): (N, 6) int64 in the order gyro x, y, z, accelerometer x, y, z; and (N,)
-        uint8 of 0 and 1, or None if the log has no `fault` column.
+        The samples, each value checked by itself; whether stamps and counter run on is another
+        matter (`sculler.breaks`).
 
     Raises:
         InputError: the log cannot be read or has a fault; names file, line and column.
@@ -62,7 +80,7 @@ def read_log(
         if str(path) == "-":
             yield from _chunks(sys.stdin.buffer, _Layout(name, design), advance)
         else:
-            with Path(path).open("rb") as file:
+            with open_blocks(path) as file:
                 chunks = _chunks(file, _Layout(name, design), advance)
                 # a pipe may wait for ever, and a thread that waits cannot be stopped
                 yield from _ahead(chunks) if Path(path).is_file() else chunks
@@ -88,48 +106,60 @@ class _Layout:
         names = [column.strip() for column in text.split(",")]
         if not text.strip():
             raise InputError(f"{self.name}: the log is empty, give the header {HEADER} and samples")
-        if not any(column in (*COUNTS, FAULT) for column in names):
+        if not any(column in (*COUNTS, *OPTIONAL) for column in names):
             raise InputError(
-                f"{self.name}: line 1: no header, give {HEADER} and optionally {FAULT}"
+                f"{self.name}: line 1: no header, give {HEADER} and optionally"
+                f" {', '.join(OPTIONAL)}"
                 " (sculler convert reads other formats)"
             )
         for column in COUNTS:
             if column not in names:
                 raise InputError(f"{self.name}: line 1: column {column} is missing, add it")
         for column in names:
-            if column not in (*COUNTS, FAULT):
+            if column not in (*COUNTS, *OPTIONAL):
                 raise InputError(
                     f"{self.name}: line 1: unknown column {column[:40]!r}, give {HEADER} and"
-                    f" optionally {FAULT}"
+                    f" optionally {', '.join(OPTIONAL)}"
                 )
             if names.count(column) > 1:
                 raise InputError(f"{self.name}: line 1: column {column} is there twice, drop one")
         self.columns = names
         self.order = [names.index(column) for column in COUNTS]
         self.in_order = self.order == list(range(len(COUNTS)))
+        self.fault, self.time, self.sequence = (
+            names.index(column) if column in names else None for column in OPTIONAL
+        )
 
-    def chunk(self, values: NDArray[np.int64]) -> Chunk | None:
-        """Values (N, columns) as a chunk, or None if one is out of its range."""
+    def chunk(self, rows: Rows) -> Chunk | None:
+        """Rows of all columns as a chunk, or None if a value is out of its range."""
+        values, times = rows
         picked = values[:, : len(COUNTS)] if self.in_order else values[:, self.order]
         counts = np.ascontiguousarray(picked)
         for first, allowed in ((0, self.words["gyro"]), (3, self.words["accel"])):
             triple = counts[:, first : first + 3]
             if triple.min() < allowed.lo or triple.max() > allowed.hi:
                 return None
-        if FAULT not in self.columns:
-            return counts, None
-        faults = values[:, self.columns.index(FAULT)]
-        if faults.min() < 0 or faults.max() > 1:
+        faults = sequence = None
+        if self.fault is not None:
+            marks = values[:, self.fault]
+            if marks.min() < 0 or marks.max() > 1:
+                return None
+            faults = marks.astype(np.uint8)
+        if self.sequence is not None:
+            sequence = values[:, self.sequence].copy()
+        if times is not None and np.abs(times).max() > _MOST_SECONDS:
             return None
-        return counts, faults.astype(np.uint8)
+        return Chunk(counts, faults, times, sequence)
 
-    def value(self, column: str, cell: bytes, line: int) -> int:
+    def value(self, column: str, cell: bytes, line: int) -> int | float:
         """One cell of the slow path.
 
         Raises:
-            InputError: it is not a whole number, or does not fit.
+            InputError: it is not a whole number (a number in `time_s`), or does not fit.
         """
         where = f"{self.name}: line {line}: {column}"
+        if column == TIME:
+            return _seconds(where, cell)
         if not _INTEGER.fullmatch(cell):
             shown = cell.decode("utf-8", "backslashreplace").strip()
             shown = f"{shown[:40]!r}" if shown else "empty"
@@ -142,6 +172,10 @@ class _Layout:
             if value not in (0, 1):
                 raise InputError(f"{where} is {value}, give 0 or 1")
             return value
+        if column == SEQUENCE:
+            if abs(value) > _MOST_SEQUENCE:
+                raise InputError(f"{where} has more than 18 digits, give a smaller counter")
+            return value
         allowed = self.words[column.split("_")[0]]
         if value not in allowed:
             shown = cell.decode().strip()
@@ -151,9 +185,14 @@ class _Layout:
             )
         return value
 
-    def read_lines(self, block: bytes, first_line: int) -> NDArray[np.int64]:
-        """The slow path: values (N, columns) of whole lines, or what is wrong with them."""
-        rows = []
+    def parse(self, block: bytes) -> Rows | None:
+        """The fast path: the rows of whole lines, or None if they are not all plain."""
+        return parse(block, len(self.columns), self.time, self.sequence is not None)
+
+    def read_lines(self, block: bytes, first_line: int) -> Rows:
+        """The slow path: the rows of whole lines, or what is wrong with them."""
+        rows: list[list[int]] = []
+        times: list[float] = []
         for number, line in enumerate(block.split(b"\n")[:-1], start=first_line):
             if not line.strip():
                 raise InputError(f"{self.name}: line {number}: an empty line, take it out")
@@ -163,13 +202,31 @@ class _Layout:
                     f"{self.name}: line {number}: {len(cells)} values, give"
                     f" {len(self.columns)}, one for each column of the header"
                 )
-            rows.append(
-                [
-                    self.value(column, cell, number)
-                    for column, cell in zip(self.columns, cells, strict=True)
-                ]
-            )
-        return np.array(rows, np.int64).reshape(-1, len(self.columns))
+            values = [
+                self.value(column, cell, number)
+                for column, cell in zip(self.columns, cells, strict=True)
+            ]
+            if self.time is not None:
+                times.append(values[self.time])
+                values[self.time] = 0
+            rows.append([int(value) for value in values])
+        whole = np.array(rows, np.int64).reshape(-1, len(self.columns))
+        return Rows(whole, None if self.time is None else np.array(times, np.float64))
+
+
+def _seconds(where: str, cell: bytes) -> float:
+    """One stamp of the slow path."""
+    if not _DECIMAL.fullmatch(cell) or len(cell) > 1000:
+        shown = cell.decode("utf-8", "backslashreplace").strip()
+        shown = f"{shown[:40]!r}" if shown else "empty"
+        raise InputError(f"{where} is {shown}, give decimal seconds")
+    value = float(cell)
+    if abs(value) > _MOST_SECONDS:
+        raise InputError(
+            f"{where} = {value:.9g} is more than {_MOST_SECONDS:g} s, give seconds (not"
+            " nanoseconds)"
+        )
+    return value
 
 
 def _chunks(
@@ -187,13 +244,13 @@ def _chunks(
                 " short; write it again (or end the line, if it is whole)"
             )
         lines = block.replace(b"\r\n", b"\n") if b"\r" in block else block
-        values = _parse(lines, len(layout.columns))
-        chunk = None if values is None else layout.chunk(values)
+        rows = layout.parse(lines)
+        chunk = None if rows is None else layout.chunk(rows)
         if chunk is None:
             chunk = layout.chunk(layout.read_lines(lines, line))
             assert chunk is not None  # read_lines has checked every value
         yield chunk
-        line += len(chunk[0])
+        line += len(chunk.counts)
     if line == 2:
         raise InputError(f"{layout.name}: the log has a header and no samples, give some")
 
@@ -224,57 +281,48 @@ def _ahead(chunks: Iterator[Chunk]) -> Iterator[Chunk]:
             yield chunk
 
 
-def _parse(block: bytes, fields: int) -> NDArray[np.int64] | None:
-    """Values (N, fields) of lines of plain integers, or None if anything else is in the block.
-
-    Plain: an optional minus and 1 to 10 digits, `fields` of them to a line with commas between, and
-    nothing else.  Every byte is accounted for: it is a digit, a separator where the layout wants
-    that separator, or a minus at the head of a number.
-    """
-    text = np.frombuffer(block, np.uint8)
-    ends = np.flatnonzero(text < _MINUS)  # commas and line ends; spaces and + fail the next check
-    layout = np.frombuffer(b"," * (fields - 1) + b"\n", np.uint8)
-    if len(ends) % fields or (text[ends].reshape(-1, fields) != layout).any():
-        return None
-    starts = np.empty_like(ends)
-    starts[0] = 0
-    np.add(ends[:-1], 1, out=starts[1:])
-    negative = text[starts] == _MINUS
-    digits = ends - starts - negative
-    longest = int(digits.max())
-    figure = text - _ZERO  # wraps for all that is no digit, so those are > 9
-    known = np.count_nonzero(figure < 10) + len(ends) + np.count_nonzero(negative)
-    if digits.min() < 1 or longest > _MAX_DIGITS or known != len(text):
-        return None
-    values = np.zeros(len(ends), np.int64)
-    at = ends
-    for place in range(longest):
-        at = at - 1
-        values += (figure.take(at, mode="clip") * (digits > place)) * np.int64(10**place)
-    np.negative(values, out=values, where=negative)
-    return values.reshape(-1, fields)
-
-
 class LogWriter:
     """Writes a log, chunk by chunk; the header goes out when it is opened.
 
     Args:
         path: the file.
         faults: write the `fault` column too.
+        times: write the `time_s` column too.
     """
 
-    def __init__(self, path: Path, faults: bool = False) -> None:
-        self._faults = faults
+    def __init__(self, path: Path, faults: bool = False, times: bool = False) -> None:
+        self._faults, self._times = faults, times
         self._file = path.open("w", encoding="ascii", newline="")
-        self._file.write(HEADER + (f",{FAULT}" if faults else "") + "\n")
+        self._file.write(HEADER + f",{FAULT}" * faults + f",{TIME}" * times + "\n")
 
-    def write(self, counts: NDArray[np.int64], faults: NDArray[np.uint8] | None = None) -> None:
-        """Append samples: counts (N, 6), and faults (N,) if the log has that column (None: 0)."""
+    def write(
+        self,
+        counts: NDArray[np.int64],
+        faults: NDArray[np.uint8] | None = None,
+        times: NDArray[np.float64] | None = None,
+    ) -> None:
+        """Append samples.
+
+        Args:
+            counts: (N, 6).
+            faults: (N,), if the log has that column (None: 0).
+            times: (N,) stamps, s; exactly if the log has that column.
+
+        Raises:
+            ValueError: stamps are missing or too many.
+        """
+        if (times is not None) != self._times:
+            raise ValueError("times: give them exactly where the log has the column time_s")
         if self._faults:
             flags = np.zeros(len(counts), np.int64) if faults is None else faults
             counts = np.column_stack([counts, flags])
-        row = ",".join(["%d"] * counts.shape[1]) + "\n"
-        self._file.write(row * len(counts) % tuple(counts.ravel().tolist()))
+        row = ",".join(["%d"] * counts.shape[1])
+        cells = counts
+        if times is not None:
+            row += ",%s"
+            cells = np.empty((len(counts), counts.shape[1] + 1), object)
+            cells[:, :-1], cells[:, -1] = counts, [_decimal(time) for time in times.tolist()]
+        self._file.write((row + "\n") * len(counts) % tuple(cells.ravel().tolist()))
 
     def close(self) -> None:
         """Flush and close the file."""
@@ -290,3 +338,9 @@ class LogWriter:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _decimal(value: float) -> str:
+    """The shortest decimal that is read as this float again, without an exponent."""
+    text = repr(value)
+    return np.format_float_positional(value, trim="0") if "e" in text else text

@@ -17,9 +17,9 @@ from sculler_model.navigation.earth import SEMI_MAJOR_AXIS, radii
 from sculler_sim.files import replacing
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
 
 Array = NDArray[np.float64]
 
@@ -43,6 +43,15 @@ _STYLE: dict[Any, Any] = {
 }
 
 
+def left_out() -> str | None:
+    """Why a verb that also draws leaves its pictures out, in a line; None if it can draw."""
+    try:
+        require_matplotlib()
+    except InputError:
+        return "no pictures: matplotlib is not installed, run: pip install 'sculler[plots]'"
+    return None
+
+
 def require_matplotlib() -> None:
     """Ask for matplotlib before any work is done.
 
@@ -52,9 +61,7 @@ def require_matplotlib() -> None:
     try:
         import matplotlib  # noqa: F401
     except ImportError as error:
-        raise InputError(
-            "pictures need matplotlib, run: pip install 'sculler[plots]' (or give --no-plots)"
-        ) from error
+        raise InputError("pictures need matplotlib, run: pip install 'sculler[plots]'") from error
 
 
 @contextmanager
@@ -67,9 +74,22 @@ def new_figure(path: Path, width: float, height: float) -> Iterator[Figure]:
     with rc_context(_STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         yield figure
+        _part_titles(figure)
         with replacing(path) as temporary:
             # no version in the file: the same data give the same bytes
             figure.savefig(temporary, dpi=130, metadata={"Software": None})
+
+
+def _part_titles(figure: Figure) -> None:
+    """Lift titles that a legend on their line would cover to a line of their own."""
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        shown, text = axes.get_legend(), axes.get_title(loc="left")
+        if shown is None or not text:
+            continue
+        title = axes.set_title(text)
+        if title.get_window_extent().overlaps(shown.get_window_extent()):
+            axes.set_title(text, pad=24)
 
 
 def local_metres(history: NavHistory, origin: NavHistory) -> tuple[Array, Array, Array]:
@@ -104,28 +124,72 @@ def from_above(history: NavHistory, origin: NavHistory) -> tuple[Array, Array]:
     return along * stretch, across * stretch
 
 
-def navigation_pictures(history: NavHistory, output: Path) -> list[Path]:
-    """Ground track, velocity, attitude and height, beside the CSV `output`."""
-    path = output.with_suffix(".png")
+def navigation_picture_paths(output: Path) -> list[Path]:
+    """Where `navigation_pictures` draws."""
+    return [output.with_suffix(".png")]
+
+
+def navigation_pictures(
+    history: NavHistory, output: Path, sigma: Sequence[float] | None = None
+) -> list[Path]:
+    """Ground track, velocity, height and attitude, beside the CSV `output`.
+
+    Args:
+        history: the states.
+        output: names the picture.
+        sigma: of roll, pitch and heading after the alignment, degrees; None where it is not known.
+    """
+    (path,) = navigation_picture_paths(output)
     north, east = from_above(history, history)
     scale, unit = time_scale(history.time)
     t = history.time / scale
-    with new_figure(path, 12, 8) as figure:
-        track, velocity, attitude, height = figure.subplots(
-            2, 2, gridspec_kw={"wspace": 0.06}
+    factor, speed = fitting("m/s", history.v)
+    with new_figure(path, 15, 8) as figure:
+        track, velocity, height, *attitude = figure.subplots(
+            2, 3, gridspec_kw={"wspace": 0.06}
         ).ravel()
         _track(track, {"track": (north, east, BLUE, 1.4)})
         for column, (name, colour) in enumerate(
             (("north", BLUE), ("east", VERMILION), ("down", GREEN))
         ):
-            velocity.plot(t, history.v[:, column], color=colour, label=name)
-        velocity.set(title="Velocity over the Earth", ylabel="m/s", xlabel=f"time ({unit})")
+            velocity.plot(t, factor * history.v[:, column], color=colour, label=name)
+        velocity.set(title="Velocity", ylabel=speed, xlabel=f"time ({unit})")
         legend(velocity)
-        _angles(attitude, t, np.degrees(history.euler))
-        attitude.set(title="Attitude", xlabel=f"time ({unit})")
         height.plot(t, history.h, color=BLUE)
         height.set(title="Height over the ellipsoid", ylabel="m", xlabel=f"time ({unit})")
+        angles = np.unwrap(np.degrees(history.euler), period=360, axis=0)  # no jump at ±180°
+        for k, (axes, name) in enumerate(zip(attitude, ("Roll", "Pitch", "Heading"), strict=True)):
+            axes.plot(t, angles[:, k], color=GREEN)
+            axes.set(title=name, ylabel="degrees", xlabel=f"time ({unit})")
+            if sigma is not None:
+                within(axes, t, angles[:, k], sigma[k])
     return [path]
+
+
+def within(axes: Axes, t: Array, middle: Array, sigma: float) -> None:
+    """What is known to be likely: a band of one standard deviation on either side."""
+    band = axes.fill_between(
+        t, middle - sigma, middle + sigma, color=GREY, alpha=0.18, lw=0, zorder=0
+    )
+    band.set_label(f"1 σ of the alignment, ±{sigma:.2g}")
+    legend(axes, [band])
+
+
+SMALLER = {
+    "arcsec": ("arcsec", "mas", "µas", "nas"),
+    "m/s": ("m/s", "mm/s", "µm/s", "nm/s"),
+    "m": ("m", "mm", "µm", "nm"),
+}
+"""Units, each a thousandth of the one before."""
+
+
+def fitting(unit: str, *values: Array) -> tuple[float, str]:
+    """How many of which unit one `unit` is, so that the largest value has digits to read."""
+    largest = max(float(np.abs(series).max()) for series in values)
+    step = 0
+    while 0 < largest * 1000**step < 0.2 and step < len(SMALLER[unit]) - 1:
+        step += 1
+    return float(1000**step), SMALLER[unit][step]
 
 
 def time_scale(time: Array) -> tuple[float, str]:
@@ -136,8 +200,9 @@ def time_scale(time: Array) -> tuple[float, str]:
 
 def _track(axes: Axes, tracks: Mapping[str, tuple[Array, Array, str, float]]) -> None:
     """Tracks from above, in m or km, true to shape; the start is marked."""
-    largest = max(float(np.ptp(c)) for north, east, _, _ in tracks.values() for c in (north, east))
-    scale, unit = (1000.0, "km") if largest > 5000 else (1.0, "m")
+    sides = [side for north, east, _, _ in tracks.values() for side in (north, east)]
+    factor, unit = fitting("m", *sides)
+    scale, unit = (1000.0, "km") if max(map(np.ptp, sides)) > 5000 else (1 / factor, unit)
     for name, (north, east, colour, width) in tracks.items():
         axes.plot(east / scale, north / scale, color=colour, lw=width, label=name)
     axes.plot(0, 0, "o", color="black", label="start")
@@ -146,7 +211,7 @@ def _track(axes: Axes, tracks: Mapping[str, tuple[Array, Array, str, float]]) ->
     legend(axes)
 
 
-def legend(axes: Axes, lines: Sequence[Line2D] | None = None) -> None:
+def legend(axes: Axes, lines: Sequence[Artist] | None = None) -> None:
     """A legend on the title's line, where it hides nothing."""
     lines = axes.get_lines() if lines is None else lines
     axes.legend(
@@ -156,22 +221,9 @@ def legend(axes: Axes, lines: Sequence[Line2D] | None = None) -> None:
         bbox_to_anchor=(1, 1),
         borderaxespad=0.1,
         ncols=len(lines),
-        handlelength=1.4,
-        columnspacing=1.2,
+        handlelength=1.2,
+        columnspacing=1.0,
     )
-
-
-def _angles(axes: Axes, t: Array, degrees: Array) -> None:
-    """Roll and pitch on the left scale, heading on the right one, without jumps at ±180°."""
-    axes.plot(t, degrees[:, 0], color=BLUE, label="roll")
-    axes.plot(t, degrees[:, 1], color=VERMILION, label="pitch")
-    axes.set_ylabel("roll, pitch (°)")
-    right = axes.twinx()
-    right.plot(t, np.unwrap(degrees[:, 2], period=360), color=GREEN, ls="--", label="heading")
-    right.set_ylabel("heading (°)")
-    right.grid(False)
-    right.spines["right"].set_visible(True)
-    legend(axes, [*axes.get_lines(), *right.get_lines()])
 
 
 Errors = Mapping[str, tuple[Array, Array, Array]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from sculler.plots import (
     GREEN,
     GREY,
     VERMILION,
+    fitting,
     from_above,
     legend,
     new_figure,
@@ -21,7 +23,7 @@ from sculler.plots import (
 )
 from sculler.terminal import three_digits
 from sculler_model.navigation import NavHistory
-from sculler_model.navigation_errors import NAUTICAL_MILE, NavErrors
+from sculler_model.navigation_errors import NAUTICAL_MILE, NavErrors, known
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,49 +34,53 @@ SCHULER_PERIOD = 84.4 * 60
 """s; of a pendulum as long as the Earth's radius."""
 
 
+def truth_picture_paths(output: Path) -> list[Path]:
+    """Where `truth_pictures` draws."""
+    names = ("errors", "growth", "track")
+    return [output.with_name(f"{output.stem}_{name}.png") for name in names]
+
+
 def truth_pictures(
-    estimate: NavHistory, truth: NavHistory, errors: NavErrors, growth: float, output: Path
+    estimate: NavHistory,
+    truth: NavHistory,
+    errors: NavErrors,
+    growth: float,
+    output: Path,
+    sigma: Sequence[float] | None = None,
 ) -> list[Path]:
     """Errors over time, growth of the horizontal error, and tracks, beside the CSV `output`.
+
+    What the truth does not tell is not drawn.
 
     Args:
         estimate, truth: states at the same instants.
         errors: of the one against the other.
         growth: of the horizontal error, m/s.
         output: names the pictures.
+        sigma: of the attitude about north, east and down after the alignment, rad; None where it
+            is not known.
     """
-    names = ("errors", "growth", "track")
-    paths = [output.with_name(f"{output.stem}_{name}.png") for name in names]
-    _errors(paths[0], errors)
-    _growth(paths[1], errors, growth)
-    _tracks(paths[2], estimate, truth, errors)
+    told = known(truth)
+    paths = truth_picture_paths(output)
+    if "position" not in told:
+        del paths[1:]
+    _errors(paths[0], errors, told, sigma)
+    if len(paths) > 1:
+        _growth(paths[1], errors, growth)
+        _tracks(paths[2], estimate, truth, errors)
     return paths
 
 
-SMALLER = {
-    "arcsec": ("arcsec", "mas", "µas", "nas"),
-    "m/s": ("m/s", "mm/s", "µm/s", "nm/s"),
-    "m": ("m", "mm", "µm", "nm"),
-}
-"""Units, each a thousandth of the one before."""
-
-
-def fitting(unit: str, *values: Array) -> tuple[float, str]:
-    """How many of which unit one `unit` is, so that the largest value has digits to read."""
-    largest = max(float(np.abs(series).max()) for series in values)
-    step = 0
-    while 0 < largest * 1000**step < 0.2 and step < len(SMALLER[unit]) - 1:
-        step += 1
-    return float(1000**step), SMALLER[unit][step]
-
-
-def _errors(path: Path, errors: NavErrors) -> None:
+def _errors(
+    path: Path, errors: NavErrors, told: tuple[str, ...], sigma: Sequence[float] | None
+) -> None:
     """Level components on the left; heading and the vertical, which runs its own way, right."""
     scale, unit = time_scale(errors.time)
     t = errors.time / scale
     with new_figure(path, 12, 9) as figure:
-        grid: Any = figure.subplots(3, 2, sharex=True)
-        for panels, (quantity, (of, size, _)) in zip(grid, UNITS.items(), strict=True):
+        grid: Any = figure.subplots(len(told), 2, sharex=True, squeeze=False)
+        for panels, quantity in zip(grid, told, strict=True):
+            of, size, _ = UNITS[quantity]
             north, east, down = (size * getattr(errors, quantity)).T
             level, vertical = panels
             names = NAMES[quantity]
@@ -87,9 +93,23 @@ def _errors(path: Path, errors: NavErrors) -> None:
             vertical.set_ylabel(shown)
             for axes in panels:
                 legend(axes)
+            if quantity == "attitude" and sigma is not None:
+                _known_to(level, t, fitting(of, north, east)[0] * size * max(sigma[:2]))
+                _known_to(vertical, t, factor * size * sigma[2])
+            for axes in panels:
                 _mark_schuler(axes, errors.time, scale)
         for axes in grid[-1]:
             axes.set_xlabel(_time_label(errors.time, unit))
+
+
+def _known_to(axes: Axes, t: Array, sigma: float) -> None:
+    """What the alignment may have been off, from zero to either side; told alone if it is far."""
+    lines, limits = axes.get_lines(), axes.get_ylim()
+    band = axes.fill_between(t, -sigma, sigma, color=GREY, alpha=0.18, lw=0, zorder=0)
+    band.set_label(f"1 σ ±{three_digits(sigma)}")
+    if sigma > 5 * max(map(abs, limits)):
+        axes.set_ylim(limits)
+    legend(axes, [*lines, band])
 
 
 def _growth(path: Path, errors: NavErrors, growth: float) -> None:
@@ -108,10 +128,10 @@ def _growth(path: Path, errors: NavErrors, growth: float) -> None:
         legend(axes)
         _mark_schuler(axes, errors.time, scale)
         if float(errors.horizontal.max()) > 0.01 * NAUTICAL_MILE:
-            miles = axes.twinx()
-            miles.set_ylim(0, axes.get_ylim()[1] / factor / NAUTICAL_MILE)
+            size = factor * NAUTICAL_MILE
+            both: Any = (lambda y: np.divide(y, size), lambda y: np.multiply(y, size))
+            miles = axes.secondary_yaxis("right", both)
             miles.set_ylabel("nautical miles")
-            miles.grid(False)
             miles.spines["right"].set_visible(True)
 
 

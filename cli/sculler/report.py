@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from sculler import against_truth
+from sculler.origin import Step, environment, told
 from sculler_model.design import Design
 from sculler_sim.files import replacing
 
@@ -28,6 +29,7 @@ tr.section td { border-top: 1px solid #ddd; }
 td.name { color: #666; white-space: nowrap; }
 img { max-width: 100%; height: auto; margin: 0.5rem 0; }
 ul.warnings { background: #fff4e5; border-left: 4px solid #d55e00; padding: 0.6rem 2rem; }
+summary { cursor: pointer; color: #444; margin-top: 0.6rem; }
 pre { background: #f6f6f6; padding: 0.8rem; overflow-x: auto; }
 """
 
@@ -40,6 +42,7 @@ def write_report(
     pictures: Sequence[Path],
     settings: Mapping[str, Any],
     warnings: Sequence[str],
+    steps: Sequence[Step] = (),
 ) -> None:
     """Write the page, whole or not at all.
 
@@ -51,7 +54,9 @@ def write_report(
         pictures: PNG files, taken into the page.
         settings: of the run, as the command line names them.
         warnings: what to look at before trusting the run.
+        steps: the files that it comes from, and theirs.
     """
+    warnings = [*warnings, *told(steps)]
     parts = [
         f"<h1>{escape(design.name)}: navigated run</h1>",
         f'<p class="sub">{escape(str(settings.get("VECTORS", "")))}</p>',
@@ -66,6 +71,7 @@ def write_report(
         parts.append("<h2>Pictures</h2>")
         parts += [_picture(picture) for picture in pictures]
     parts += ["<h2>Settings</h2>", _facts({key: str(value) for key, value in settings.items()})]
+    parts += ["<h2>Where it comes from</h2>", *_origin(steps)]
     described = json.dumps(design.model_dump(mode="json"), indent=2, ensure_ascii=False)
     parts += ["<h2>Design</h2>", f"<pre>{escape(described)}</pre>"]
     page = (
@@ -75,7 +81,8 @@ def write_report(
         "</head>\n<body>\n" + "\n".join(parts) + "\n</body>\n</html>\n"
     )
     with replacing(path) as temporary:
-        temporary.write_text(page, encoding="utf-8")
+        # a file's name may hold bytes that are no text
+        temporary.write_text(page, encoding="utf-8", errors="backslashreplace")
 
 
 def _facts(rows: Mapping[str, str]) -> str:
@@ -84,6 +91,37 @@ def _facts(rows: Mapping[str, str]) -> str:
         for name, value in rows.items()
     )
     return _table(cells)
+
+
+def _origin(steps: Sequence[Step]) -> list[str]:
+    """The program, the files with their hashes, and what made each of them."""
+    lines = ["<tr><th>file</th><th>SHA-256</th><th>made by</th></tr>"]
+    parts = []
+    for step in steps:
+        maker = step.note if step.record is None else _maker(step.record)
+        cells = (step.name, step.sha256, maker)
+        lines.append("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>")
+        if step.record is not None:
+            said = {**_flat(step.record.get("settings")), **_flat(step.record.get("result"))}
+            parts.append(f"<details><summary>{escape(f'{step.name}: {maker}')}</summary>")
+            parts += [_facts(said), "</details>"]
+    return [f"<p>This page: {escape(environment())}.</p>", _table(lines), *parts]
+
+
+def _maker(record: Mapping[str, Any]) -> str:
+    return f"{record.get('verb', '?')}, {record.get('program', '?')}"
+
+
+def _flat(data: Any, before: str = "") -> dict[str, str]:
+    """Nested data as rows: names joined by full stops; what is empty is left out."""
+    if isinstance(data, dict):
+        rows: dict[str, str] = {}
+        for name, value in data.items():
+            rows |= _flat(value, f"{before}.{name}" if before else str(name))
+        return rows
+    if data is None or data == [] or data == "":
+        return {}
+    return {before: str(data)}
 
 
 def _errors(errors: dict[str, Any]) -> str:

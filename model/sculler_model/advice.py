@@ -146,7 +146,7 @@ def coning_drift(
     if kind == "increment":
         s = motion.increments(count + reach, interval, -reach)[:, :3]
     else:
-        s = motion.rates(count + reach, interval, -reach)[:, :3] * interval
+        s = motion.rates(count + reach, interval, 1 - reach)[:, :3] * interval
     phi = np.zeros(3)
     alpha = np.zeros(3)
     for first in range(reach, reach + count, n):

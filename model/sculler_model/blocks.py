@@ -27,11 +27,14 @@ class VectorBlock:
         status: (R,) int64, bit set (see `sculler_model.vectors`).
         components: exact integers in the order of the design's components, (R, 18), with
             high-resolution position (R, 27); int64, or object where the numbers may pass 64 bits.
+        times: (R,) instant of each interval's end on the log's clock, s; None where the log has
+            no stamps.
     """
 
     major: NDArray[np.int64]
     status: NDArray[np.int64]
     components: NDArray[np.generic]
+    times: NDArray[np.float64] | None = None
 
     @classmethod
     def empty(cls, dtype: np.dtype[np.generic], components: int = len(COMPONENTS)) -> VectorBlock:
@@ -66,12 +69,17 @@ class VectorBlock:
         """Join blocks in order.
 
         Raises:
-            ValueError: there is no block.
+            ValueError: there is no block, or some have times and others have not.
         """
+        stamped = [block.times is not None for block in blocks if len(block)]
+        if any(stamped) and not all(stamped):
+            raise ValueError("blocks with and without times cannot be joined")
+        times = [block.times for block in blocks if block.times is not None]
         return cls(
             np.concatenate([block.major for block in blocks]),
             np.concatenate([block.status for block in blocks]),
             np.concatenate([block.components for block in blocks]),
+            np.concatenate(times) if times else None,
         )
 
     def __len__(self) -> int:
@@ -100,7 +108,7 @@ class VectorBlock:
             yield (major, status, *components)
 
     def first_difference(self, other: VectorBlock) -> tuple[int, str, int, int] | None:
-        """First unequal value as (row, column, ours, theirs), or None; compares the common rows."""
+        """First unequal integer as (row, column, ours, theirs), or None, in the common rows."""
         for row, (ours, theirs) in enumerate(zip(self.rows(), other.rows(), strict=False)):
             if ours != theirs:
                 unequal = (i for i, (a, b) in enumerate(zip(ours, theirs, strict=True)) if a != b)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import difflib
 import hashlib
 import json
-import keyword
 import re
 import sys
 from functools import cached_property
@@ -19,12 +18,14 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, Field, ValidationError, ValidationInfo, field_validator
 from pydantic_core import ErrorDetails
 
+from sculler_model import names
 from sculler_model.coefficients import MAX_SAMPLES, TapTable
 from sculler_model.errors import InputError
 from sculler_model.families.balance import Sum
 from sculler_model.families.catalogue import BASES, FAMILIES, TABLES, Made, Match, Recipe, make
 from sculler_model.families.decimals import rational
 from sculler_model.families.options import Band, Filter, Mount, response, with_measured_points
+from sculler_model.inputs import read_small
 from sculler_model.presets import PRESETS
 from sculler_model.schema import Part
 from sculler_model.vectors import (
@@ -33,42 +34,31 @@ from sculler_model.vectors import (
     columns_of,
     components_of,
 )
-from sculler_model.wordlength import WordLengths, word_lengths
+from sculler_model.wordlength import MAX_BITS, WordLengths, word_lengths
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
 
-# Words a Verilog module may not be called, beside Python's own (which would surprise a test bench).
-_VERILOG_WORDS = frozenset(
-    "always and assign automatic begin buf bufif0 bufif1 case casex casez cell cmos config deassign"
-    " default defparam design disable edge else end endcase endconfig endfunction endgenerate"
-    " endmodule endprimitive endspecify endtable endtask event for force forever fork function"
-    " generate genvar highz0 highz1 if ifnone incdir include initial inout input instance integer"
-    " join large liblist library localparam macromodule medium module nand negedge nmos nor"
-    " noshowcancelled not notif0 notif1 or output parameter pmos posedge primitive pull0 pull1"
-    " pulldown pullup pulsestyle_ondetect pulsestyle_onevent rcmos real realtime reg release repeat"
-    " rnmos rpmos rtran rtranif0 rtranif1 scalared showcancelled signed small specify specparam"
-    " strong0 strong1 supply0 supply1 table task time tran tranif0 tranif1 tri tri0 tri1 triand"
-    " trior trireg unsigned use vectored wait wand weak0 weak1 while wire wor xnor xor clk rst"
-    # SystemVerilog's most likely clashes: Verilator reads the file as SystemVerilog
-    " bit byte int logic bool string class interface package program property sequence".split()
-)
-
 
 class Axes(Part):
     """Word length and scale of three like sensor axes."""
 
     bits: Annotated[int, Field(ge=8, le=32, description="a whole number from 8 to 32")]
-    lsb: Annotated[float, Field(gt=0, description="a number > 0 (SI units per count)")]
+    lsb: Annotated[
+        float,
+        Field(ge=1e-30, le=1e6, description="a number from 1e-30 to 1e6 (SI units per count)"),
+    ]
 
 
 class Sensor(Part):
     """What the sensor delivers."""
 
     kind: Annotated[Literal["increment", "rate"], Field(description='"increment" or "rate"')]
-    sample_rate_hz: Annotated[float, Field(gt=0, le=1e9, description="a number > 0 and <= 1e9")]
+    sample_rate_hz: Annotated[
+        float, Field(ge=1e-6, le=1e9, description="a number from 1e-6 to 1e9")
+    ]
     gyro: Annotated[Axes, Field(description="a table with bits and lsb")]
     accel: Annotated[Axes, Field(description="a table with bits and lsb")]
 
@@ -290,6 +280,25 @@ def _table(sensor: Sensor, algorithm: Algorithm) -> TapTable:
     return make(_recipe(sensor, algorithm)).table
 
 
+def _require_narrow(table: TapTable, sensor: Sensor, algorithm: Algorithm) -> None:
+    """See that a core of this table can be built.
+
+    Raises:
+        InputError: its denominators or results are wider than `MAX_BITS`.
+    """
+    words = word_lengths(sensor.gyro.bits, sensor.accel.bits, algorithm.minors, table)
+    widths = {vector: getattr(words, vector).bits for vector in VECTORS}
+    widths["denominator"] = table.denominator.bit_length()
+    widths["sum_denominator"] = table.sum_denominator.bit_length()
+    widest = max(widths, key=lambda name: widths[name])
+    if widths[widest] > MAX_BITS:
+        raise InputError(
+            f"algorithm.table: {widest} would have {widths[widest]:,} bits, more than the"
+            f" {MAX_BITS} that a core can have; give smaller taps and weights (no published table"
+            " needs more than 395)"
+        )
+
+
 def _recipe(sensor: Sensor, algorithm: Algorithm) -> Recipe:
     """What a computed family is designed from.
 
@@ -334,12 +343,9 @@ class Design(Part):
     @field_validator("name")
     @classmethod
     def _name_is_usable(cls, name: str) -> str:
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", name) or "__" in name:
-            raise ValueError(
-                f"{name!r} is not allowed, give a letter, then up to 63 letters, digits or single _"
-            )
-        if name.lower() in _VERILOG_WORDS or keyword.iskeyword(name):
-            raise ValueError(f"{name!r} is a reserved word, give another name")
+        said = names.fault(name)
+        if said is not None:
+            raise ValueError(f"{name!r} {said}")
         return name
 
     @field_validator("algorithm")
@@ -349,6 +355,7 @@ class Design(Part):
         if sensor is None:
             return algorithm
         table = _table(sensor, algorithm)
+        _require_narrow(table, sensor, algorithm)
         if algorithm.position == "high-resolution":
             if sensor.kind != "increment":
                 raise InputError(
@@ -370,16 +377,15 @@ class Design(Part):
             InputError: the file cannot be read, is not TOML, or has faults; all are named.
         """
         path = Path(path)
+        text = read_small(path, "design file", "a design in TOML")
         try:
-            data = tomllib.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise InputError(
-                f"{path}: cannot read the design file ({error.strerror}), check the path"
-            ) from error
-        except UnicodeDecodeError as error:
-            raise InputError(f"{path}: not a text file in UTF-8, give a design in TOML") from error
+            data = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise InputError(f"{path}: not valid TOML: {error}") from error
+        except ValueError as error:  # Python's limit on the digits of a whole number
+            raise InputError(f"{path}: a number of too many digits, give fewer") from error
+        except RecursionError as error:
+            raise InputError(f"{path}: brackets too deep in each other, give a design") from error
         return cls.parse(data, where=str(path), folder=path.parent)
 
     @classmethod

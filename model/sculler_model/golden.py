@@ -23,6 +23,7 @@ from sculler_model.vectors import (
     cross,
     plus,
     times,
+    whole_numbers,
 )
 from sculler_model.wordlength import Interval, WordLengths
 
@@ -98,12 +99,14 @@ class GoldenModel:
         """Take the sample of time t.
 
         Args:
-            gyro, accel: integer counts within the design's widths (signed).
+            gyro, accel: integer counts within the design's widths (signed), of any integer type.
             fault: 1 marks the interval's status, as a count at either end of its width does.
 
         Raises:
-            InputError: a count does not fit the sensor's width.
+            InputError: a count is no whole number, or does not fit the sensor's width.
         """
+        gyro = whole_numbers(f"sample {self.t}: gyro", gyro)
+        accel = whole_numbers(f"sample {self.t}: accel", accel)
         table, words = self.design.table, self.design.words
         check_widths(words, self.t, (*gyro, *accel))
         self.s.append(gyro)

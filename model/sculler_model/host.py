@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 
 from sculler_model.blocks import VectorBlock
 from sculler_model.design import Design
+from sculler_model.errors import InputError
 from sculler_model.scrolling import S_DENOMINATOR, SCROLLING_DENOMINATOR
+from sculler_model.vectors import STATUS_SHORT_HISTORY
 
 if TYPE_CHECKING:  # navigation builds on this module
     from sculler_model.navigation.rotation import AxisMap
@@ -37,44 +39,114 @@ class MajorIncrements:
         dr_sf: (R, 3) running integral of that over the interval, m, in the same frame: how far
             the specific force has moved the body by the interval's END.  None where the design
             has no high-resolution position.
+        status: (R,) status bits of the results they come from (`sculler_model.vectors`); None for
+            none set.  Nobody navigates or aligns with an interval of short history (bit 0): its
+            sums and corrections lack the samples before the first one (`require_whole`).
+        times: (R,) s, the instant of each interval's END (`sculler_model.instants`); None where
+            it is not told.
     """
 
     phi: Array
     alpha: Array
     dv_sf: Array
     dr_sf: Array | None = None
+    status: NDArray[np.int64] | None = None
+    times: Array | None = None
 
     def __len__(self) -> int:
         return len(self.phi)
 
     def __getitem__(self, part: slice) -> MajorIncrements:
         """Consecutive intervals."""
-        return self._each(lambda vectors: vectors[part])
+        cut = self._each(lambda vectors: vectors[part])
+        status = None if self.status is None else self.status[part]
+        return replace(cut, status=status, times=None if self.times is None else self.times[part])
 
     def in_axes(self, axes: AxisMap) -> MajorIncrements:
         """The same increments in body axes, from the sensor's."""
         return self._each(axes.apply)
 
+    @property
+    def short(self) -> NDArray[np.bool_]:
+        """(R,) whether the interval's history is short (status bit 0)."""
+        if self.status is None:
+            return np.zeros(len(self), np.bool_)
+        short: NDArray[np.bool_] = (np.asarray(self.status) & STATUS_SHORT_HISTORY) != 0
+        return short
+
+    @property
+    def leading_short(self) -> int:
+        """How many intervals to leave out so that none of short history is left.
+
+        The state to navigate on from is then that at the END of the last one left out.
+        """
+        found = np.flatnonzero(self.short)
+        return int(found[-1]) + 1 if len(found) else 0
+
+    def require_whole(self, what: str) -> None:
+        """Refuse intervals of short history.
+
+        Args:
+            what: is to be done with them, for the message.
+
+        Raises:
+            InputError: there is such an interval.
+        """
+        short = self.short
+        if not short.any():
+            return
+        row = int(np.argmax(short))
+        at = "" if self.times is None else f", which ends at {float(self.times[row]):.9g} s,"
+        raise InputError(
+            f"{what}: interval {row} of these{at} reaches before the first sample (status bit 0),"
+            " so its sums or corrections are not whole; begin after it, with the state at its end"
+            " (increments[increments.leading_short:]), or take it as it is (accepted_as_whole())"
+        )
+
+    def accepted_as_whole(self) -> MajorIncrements:
+        """The same increments with status bit 0 cleared: what is missing is known to do no harm."""
+        status = self.status
+        if status is not None:
+            status = np.asarray(status, np.int64) & ~STATUS_SHORT_HISTORY
+        return replace(self, status=status)
+
     def _each(self, change: Callable[[Array], Array]) -> MajorIncrements:
-        dr_sf = None if self.dr_sf is None else change(self.dr_sf)
-        return MajorIncrements(change(self.phi), change(self.alpha), change(self.dv_sf), dr_sf)
+        return replace(
+            self,
+            phi=change(self.phi),
+            alpha=change(self.alpha),
+            dv_sf=change(self.dv_sf),
+            dr_sf=None if self.dr_sf is None else change(self.dr_sf),
+        )
 
     @classmethod
     def concatenate(cls, parts: list[MajorIncrements]) -> MajorIncrements:
-        """Join in order.
+        """Join in order; parts without a status count as whole.
 
         Raises:
-            ValueError: there is no part, or only some have ΔR_SF.
+            ValueError: there is no part, or only some have ΔR_SF or times.
         """
-        dr_sf = [part.dr_sf for part in parts if part.dr_sf is not None]
-        if len(dr_sf) not in (0, len(parts)):
-            raise ValueError(f"{len(dr_sf)} of {len(parts)} parts have dr_sf")
+        status = None
+        if any(part.status is not None for part in parts):
+            none = [np.zeros(len(part), np.int64) for part in parts]
+            pairs = zip(parts, none, strict=True)
+            status = np.concatenate([n if p.status is None else p.status for p, n in pairs])
         return cls(
             np.concatenate([part.phi for part in parts]),
             np.concatenate([part.alpha for part in parts]),
             np.concatenate([part.dv_sf for part in parts]),
-            np.concatenate(dr_sf) if dr_sf else None,
+            _all_or_none("dr_sf", [part.dr_sf for part in parts]),
+            status,
+            _all_or_none("times", [part.times for part in parts]),
         )
+
+
+def _all_or_none(name: str, parts: list[Array | None]) -> Array | None:
+    """Arrays that all parts have joined, or None if none has."""
+    there = [part for part in parts if part is not None]
+    if len(there) not in (0, len(parts)):
+        raise ValueError(f"{len(there)} of {len(parts)} parts have {name}")
+    return np.concatenate(there) if there else None
 
 
 def major_increments(
@@ -95,6 +167,9 @@ def major_increments(
         block: consecutive major intervals.
         third_order: correct φ as `ThirdOrder` does, which says when that helps; the block's first
             two intervals stay as they are.
+
+    Returns:
+        The increments, with the block's status and, where it has them, its times.
     """
     g, a = design.gyro_scale, design.accel_scale
     alpha, upsilon = _sums(design, block)
@@ -103,6 +178,8 @@ def major_increments(
         phi=alpha + g * g * coning,
         alpha=alpha,
         dv_sf=upsilon + velocity_rotation(alpha, upsilon) + a * g * sculling,
+        status=block.status,
+        times=block.times,
     )
     if design.high_resolution:
         T = design.sample_interval
@@ -130,15 +207,18 @@ class ThirdOrder:
     helps, this does not.
 
     Call it with the increments of consecutive intervals, in blocks of any length; it keeps the
-    last two.  Attitude is causal: no interval waits for a later one.
+    last two.  Attitude is causal: no interval waits for a later one.  An interval of short history
+    tells no rate, so it begins anew after one.
     """
 
     def __init__(self) -> None:
         self._before = np.zeros((0, 3))
 
     def __call__(self, increments: MajorIncrements) -> MajorIncrements:
-        """The increments with φ corrected; the very first two intervals stay as they are."""
-        alpha = np.concatenate((self._before, increments.alpha))
+        """The increments with φ corrected; the first two whole intervals stay as they are."""
+        first = increments.leading_short
+        before = np.zeros((0, 3)) if first else self._before
+        alpha = np.concatenate((before, increments.alpha[first:]))
         self._before = alpha[-2:]
         terms = third_order_terms(alpha)
         phi = increments.phi.copy()
@@ -183,7 +263,8 @@ def uncorrected(design: Design, block: VectorBlock) -> MajorIncrements:
     needs no more than the sums either.
     """
     alpha, upsilon = _sums(design, block)
-    return MajorIncrements(alpha, alpha, upsilon + velocity_rotation(alpha, upsilon))
+    dv_sf = upsilon + velocity_rotation(alpha, upsilon)
+    return MajorIncrements(alpha, alpha, dv_sf, status=block.status, times=block.times)
 
 
 def second_order_corrections(design: Design, block: VectorBlock) -> tuple[Array, Array]:

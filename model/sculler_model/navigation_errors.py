@@ -8,15 +8,15 @@ left out is the turning of north with longitude, tan(lat)/R for every metre of e
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
-from sculler_model.navigation import NavHistory
+from sculler_model.navigation import NavHistory, NavState
 from sculler_model.navigation.earth import ECCENTRICITY_SQUARED, radii
 from sculler_model.navigation.rotation import conjugate, product, rotate
 
@@ -25,7 +25,17 @@ Four = tuple[Array, Array, Array, Array]
 Triple = tuple[Array, Array, Array]
 
 SAME_INSTANT = 1e-8
-"""Two times (s) no further apart are the same instant."""
+"""Two times (s) no further apart are the same instant, while a double has that many places."""
+
+
+def slack(time: Array) -> Array:
+    """How far (s) another time may be from this one and be the same instant.
+
+    Of a clock that counts seconds since 1970 a double has 0.24 µs; four of those.
+    """
+    spacing: Array = np.maximum(SAME_INSTANT, 4 * np.spacing(np.abs(time)))
+    return spacing
+
 
 NAUTICAL_MILE = 1852.0
 """m."""
@@ -33,7 +43,7 @@ NAUTICAL_MILE = 1852.0
 
 @dataclass(frozen=True)
 class NavErrors:
-    """Errors at N instants, each (N, 3): north, east, down.
+    """Errors at N instants, each (N, 3): north, east, down; NaN for what the truth does not tell.
 
     Attributes:
         time: (N,) s.
@@ -54,8 +64,24 @@ class NavErrors:
         return np.hypot(self.position[:, 0], self.position[:, 1])
 
 
+QUANTITIES = ("attitude", "velocity", "position")
+COMPONENTS = ("north", "east", "down")
+
+
+def known(truth: NavHistory) -> tuple[str, ...]:
+    """Which `QUANTITIES` a truth tells: what it does not is NaN in all of its states."""
+    columns = dict(zip(QUANTITIES, (truth.q[:, 0], truth.v[:, 0], truth.lat), strict=True))
+    return tuple(name for name, column in columns.items() if not np.isnan(column).any())
+
+
 def navigation_errors(estimate: NavHistory, truth: NavHistory) -> NavErrors:
-    """Errors of states at the same instants."""
+    """Errors of states at the same instants.
+
+    A truth without position is taken to be at the estimate's place, so that its north is the same.
+    """
+    if "position" not in known(truth):
+        told = replace(truth, lat=estimate.lat, lon=estimate.lon, h=estimate.h)
+        return replace(navigation_errors(estimate, told), position=np.full((len(truth), 3), np.nan))
     level_e, level_t = _level_frame(estimate), _level_frame(truth)
     # the estimate's level frame against the true one, of which only the part about down is kept
     w, _, _, z = product(conjugate(level_t), level_e)
@@ -129,15 +155,15 @@ def interpolated(history: NavHistory, times: Array) -> tuple[NavHistory, int]:
 
     A state that is there (to `SAME_INSTANT`) is taken as it is.  Between two states the position is
     the cubic with their positions and velocities, the velocity goes in a straight line, and the
-    attitude turns evenly the short way.
+    attitude turns evenly the short way.  Without velocities the position goes in a straight line.
 
     Returns:
         The states, and how many had to be interpolated.
     """
-    left = np.searchsorted(history.time, times + SAME_INSTANT, side="right") - 1
+    left = np.searchsorted(history.time, times + slack(times), side="right") - 1
     left = np.clip(left, 0, len(history) - 1)
     exact = rows(history, left)
-    between = np.abs(exact.time - times) > SAME_INSTANT
+    between = np.abs(exact.time - times) > slack(times)
     if not between.any():
         return exact, 0
     first = left[between]
@@ -151,10 +177,13 @@ def interpolated(history: NavHistory, times: Array) -> tuple[NavHistory, int]:
     part: Four = (np.cos(0.5 * angle), *_three(turned * sine[:, None]))
     place, far = _place(a), _place(b)
     far[:, 1] = place[:, 1] + np.mod(far[:, 1] - place[:, 1] + np.pi, 2 * np.pi) - np.pi
+    rates = [(far - place) / step] * 2
+    if "velocity" in known(history):
+        rates = [_place_rate(a), _place_rate(b)]
     cubic = (
         (1 + 2 * u) * (1 - u) ** 2 * place
         + u * u * (3 - 2 * u) * far
-        + step * u * (1 - u) * ((1 - u) * _place_rate(a) - u * _place_rate(b))
+        + step * u * (1 - u) * ((1 - u) * rates[0] - u * rates[1])
     )
     # fields beside each other, so that both kinds go back to their rows
     table = np.column_stack((exact.q, exact.v, exact.lat, exact.lon, exact.h))
@@ -177,10 +206,6 @@ def _place_rate(history: NavHistory) -> Array:
     )
 
 
-QUANTITIES = ("attitude", "velocity", "position")
-COMPONENTS = ("north", "east", "down")
-
-
 @dataclass(frozen=True)
 class Figures:
     """What a quantity came to over a run.
@@ -196,20 +221,49 @@ class Figures:
     final: float
 
 
+class Start(NamedTuple):
+    """Where a run can begin by its truth.
+
+    Attributes:
+        row: of the instants asked about.
+        state: the true one; NaN for what the truth does not tell.
+        interpolated: between two of the truth's rows.
+    """
+
+    row: int
+    state: NavState
+    interpolated: bool
+
+
+class LeftOut(NamedTuple):
+    """Seconds that only one of the two has: the run, or the truth, before and after the other."""
+
+    run_before: float
+    run_after: float
+    truth_before: float
+    truth_after: float
+
+
+_ROWS_TO_START = 100
+"""Rows of a truth among which one at the end of a major interval is looked for."""
+
+
 class Comparison:
-    """Errors of a run against its truth, block by block, in bounded memory.
+    """Errors of a run against its truth over what they have in common, in bounded memory.
 
     Errors are formed at the instants of whichever of the two is sparser; the other one is
     interpolated (see `interpolated`) where it has no state at such an instant.
 
     Args:
-        truth: the true states, in blocks, times running forwards.
+        truth: the true states, in blocks, times running forwards; NaN all through in what it does
+            not tell.
         interval: between the run's states, s.
         name: of the truth, for messages.
 
     Attributes:
         first: the truth's first state.
-        step: between its first two states, s.
+        known: which `QUANTITIES` it tells.
+        step: between its states, s.
         instants, interpolated: how many were compared so far, how many of them by interpolation.
 
     Raises:
@@ -218,48 +272,89 @@ class Comparison:
 
     def __init__(self, truth: Iterator[NavHistory], interval: float, name: str) -> None:
         self._truth, self._interval, self._name = truth, interval, name
-        self._waiting = next(self._truth, None)
-        if self._waiting is not None and len(self._waiting) < 2:
-            self._waiting = NavHistory.concatenate([self._waiting, *islice(self._truth, 1)])
-        if self._waiting is None or len(self._waiting) < 2:
+        waiting = next(self._truth, None)
+        if waiting is not None and len(waiting) < 2:
+            waiting = NavHistory.concatenate([waiting, *islice(self._truth, 1)])
+        if waiting is None or len(waiting) < 2:
             raise InputError(f"{name}: a truth of fewer than two rows is not allowed, give more")
-        self.first = self._waiting.state(0)
-        self.step = float(self._waiting.time[1] - self._waiting.time[0])
+        self._waiting = waiting
+        self.first = waiting.state(0)
+        self.known = known(waiting)
+        self.step = float(np.median(np.diff(waiting.time[:_ROWS_TO_START])))
         self._sparse_truth = self.step > 0.999 * interval
+        self._last = float(waiting.time[-1])  # of the truth's times so far
         self._tail: NavHistory | None = None
-        self._start = 0.0
-        self._seen = float(self._waiting.time[-1])
+        self._span: tuple[float, float] | None = None  # of the run
+        self._stretch = 0.0
         self._sums, self._largest = np.zeros(12), np.zeros(12)
         self._final = np.zeros(12)
         self._growth = np.zeros(2)
         self.instants = self.interpolated = 0
+
+    def start(self, instants: Array) -> Start | None:
+        """The true state at the first of some instants at which the run could begin.
+
+        An instant at which the truth has a row is preferred, if one of its next rows
+        (`_ROWS_TO_START`) is; else it is the first instant between two of its rows.
+
+        Args:
+            instants: running forwards, none earlier than any asked about or added before.
+
+        Returns:
+            None if the truth begins after all of them or ends before.
+        """
+        reach = max(float(instants[0]), float(self._waiting.time[0]) if len(self._waiting) else 0.0)
+        reach += _ROWS_TO_START * max(self.step, self._interval)
+        times = self._reach(min(reach, float(instants[-1]))).time
+        near = slack(instants)
+        if not len(times):
+            return None
+        inside = (instants >= times[0] - near) & (instants <= times[-1] + near)
+        inside &= instants <= reach
+        places = np.flatnonzero(inside)
+        if not len(places):
+            return None
+        nearest = np.searchsorted(times, instants[places] - near[places])
+        nearest = np.minimum(nearest, len(times) - 1)
+        exact = np.abs(times[nearest] - instants[places]) <= near[places]
+        row = int(places[np.argmax(exact)])
+        found, count = interpolated(self._waiting, instants[row : row + 1])
+        return Start(row, found.state(0)._replace(time=float(instants[row])), bool(count))
+
+    def begin(self) -> None:
+        """A new stretch of the run: nothing lies between it and what came before."""
+        self._tail = None
 
     def add(self, part: NavHistory) -> tuple[NavHistory, NavHistory]:
         """Take the run's next states.
 
         Returns:
             Estimate and truth at the instants compared, which may be none.
-
-        Raises:
-            InputError: the truth does not reach back to the run's start or on to its present.
         """
+        if not len(part):
+            return part, part
+        run = part if self._tail is None else NavHistory.concatenate([self._tail, part])
         if self._tail is None:
-            self._begin(part)
-            run = part
-        else:
-            run = NavHistory.concatenate([self._tail, part])
-        waiting = self._reach(float(run.time[-1]))
-        end = float(run.time[-1]) + SAME_INSTANT
+            self._stretch = float(part.time[0])
+        begin, end = float(part.time[0]), float(part.time[-1])
+        self._span = (begin if self._span is None else self._span[0], end)
+        waiting = self._reach(end)
+        last = end + float(slack(part.time[-1:])[0])
         if self._sparse_truth:
-            ready = waiting.time <= end
-            fresh = ready & (waiting.time >= self._start - SAME_INSTANT)
-            truth = rows(waiting, fresh)
-            estimate, count = interpolated(run, truth.time)
+            ready = waiting.time <= last
+            truth = rows(waiting, ready & (waiting.time >= self._stretch - slack(waiting.time)))
+            estimate, count = interpolated(run, truth.time) if len(truth) else (truth, 0)
             self._waiting = rows(waiting, ~ready)
         else:
-            estimate = part
-            truth, count = interpolated(waiting, part.time)
-            behind = int(np.searchsorted(waiting.time, end, side="right")) - 1
+            near = slack(part.time)
+            inside = np.zeros(len(part), np.bool_)
+            if len(waiting):
+                inside = (part.time >= waiting.time[0] - near) & (
+                    part.time <= waiting.time[-1] + near
+                )
+            estimate = rows(part, inside)
+            truth, count = interpolated(waiting, estimate.time) if inside.any() else (estimate, 0)
+            behind = int(np.searchsorted(waiting.time, last, side="right")) - 1
             self._waiting = rows(waiting, slice(max(behind, 0), None))
         self._tail = rows(part, slice(len(part) - 1, None))
         self.interpolated += count
@@ -267,25 +362,35 @@ class Comparison:
         return estimate, truth
 
     def finish(self) -> None:
-        """Say that the run is over.
+        """Say that the run is over; the rest of the truth is read.
 
         Raises:
-            InputError: the truth ends earlier than the run or goes on longer.
+            InputError: run and truth have no instant in common.
         """
-        end = float(self._tail.time[-1]) if self._tail is not None else self._start
-        slack = max(self.step, self._interval) + SAME_INSTANT
-        left = [part for part in (self._waiting, next(self._truth, None)) if part is not None]
-        last = max((float(part.time[-1]) for part in left if len(part)), default=end)
-        if last > end + slack:
-            raise InputError(
-                f"{self._name}: the truth goes on to {last:.9g} s or longer, but the run ends at"
-                f" {end:.9g} s; give the truth of this run"
-            )
+        for part in self._truth:
+            self._last = float(part.time[-1])
         if not self.instants:
-            raise InputError(f"{self._name}: no instant of the run is in the truth")
+            begin, end = self._span or (0.0, 0.0)
+            raise self.no_overlap(begin, end)
+
+    def no_overlap(self, begin: float, end: float) -> InputError:
+        """What to say of a run from `begin` to `end` that has nothing in common with the truth."""
+        return InputError(
+            f"{self._name}: the truth goes from {self.first.time:.9g} s to {self._last:.9g} s"
+            f" and has nothing in common with the run from {begin:.9g} s to {end:.9g} s; both are"
+            " on the log's clock: give the truth of this run, or its times on that clock"
+        )
+
+    @property
+    def left_out(self) -> LeftOut:
+        """What was not compared, after `finish`."""
+        begin, end = self._span or (self.first.time, self._last)
+        first, last = self.first.time, self._last
+        pairs = ((begin, first), (last, end), (first, begin), (end, last))
+        return LeftOut(*(max(0.0, float(b - a)) for a, b in pairs))
 
     def figures(self) -> dict[str, dict[str, Figures]]:
-        """Root mean square, largest and final errors.
+        """Root mean square, largest and final errors of what the truth tells.
 
         Returns:
             By quantity (attitude in rad, velocity in m/s, position in m), by component (north,
@@ -299,52 +404,35 @@ class Comparison:
         return {
             quantity: dict(zip((*COMPONENTS, "total"), table[4 * k : 4 * k + 4], strict=True))
             for k, quantity in enumerate(QUANTITIES)
+            if quantity in self.known
         }
 
     @property
     def growth(self) -> float:
         """Growth of the horizontal error, m/s: the line through zero at the start that fits best.
 
-        Least squares over all instants compared.
+        Least squares over all instants compared; 0 where the truth tells no position.
         """
         products, squares = self._growth.tolist()
-        return products / squares if squares else 0.0
-
-    def _begin(self, part: NavHistory) -> None:
-        assert self._waiting is not None
-        self._start = float(part.time[0])
-        first, slack = float(self._waiting.time[0]), max(self.step, self._interval)
-        if first > self._start + slack + SAME_INSTANT or (
-            not self._sparse_truth and first > self._start + SAME_INSTANT
-        ):
-            raise InputError(
-                f"{self._name}: the truth begins at {first:.9g} s, but the run at"
-                f" {self._start:.9g} s; give the truth of this run"
-            )
+        return products / squares if squares and "position" in self.known else 0.0
 
     def _reach(self, time: float) -> NavHistory:
         """The truth's states not yet used, as far as a time."""
-        assert self._waiting is not None
         parts = [self._waiting]
-        while not len(parts[-1]) or parts[-1].time[-1] < time - SAME_INSTANT:
+        while self._last < time:
             more = next(self._truth, None)
             if more is None:
                 break
             parts.append(more)
-        waiting = NavHistory.concatenate(parts)
-        last = float(waiting.time[-1]) if len(waiting) else self._seen
-        slack = self.step if self._sparse_truth else 0.0
-        if last < time - slack - SAME_INSTANT:
-            raise InputError(
-                f"{self._name}: the truth ends at {last:.9g} s, but the run goes on; give the truth"
-                " of this run"
-            )
-        self._seen = last
-        return waiting
+            self._last = float(more.time[-1])
+        if len(parts) > 1:
+            self._waiting = NavHistory.concatenate(parts)
+        return self._waiting
 
     def _account(self, errors: NavErrors) -> None:
         if not len(errors.time):
             return
+        assert self._span is not None
         sizes = (
             np.linalg.norm(errors.attitude, axis=1),
             np.linalg.norm(errors.velocity, axis=1),
@@ -359,6 +447,6 @@ class Comparison:
         self._sums += (flat**2).sum(axis=0)
         self._largest = np.maximum(self._largest, np.abs(flat).max(axis=0))
         self._final = flat[-1]
-        since = errors.time - self._start
+        since = errors.time - self._span[0]
         self._growth += (float(since @ errors.horizontal), float(since @ since))
         self.instants += len(errors.time)

@@ -36,11 +36,14 @@ class Gridded(NamedTuple):
     """Consecutive samples on the grid.
 
     `values` is (N, C): increments over the N steps of the grid, or rates at N of its points.
-    `faults` is (N,), 1 where a faulty sample or step took part.
+    `faults` is (N,), 1 where a faulty sample or step took part.  `times` is (N,), s on the scale of
+    the given stamps: the ends of the steps, or the instants of the rates (of means over a step
+    its middle).
     """
 
     values: NDArray[np.float64]
     faults: NDArray[np.uint8]
+    times: NDArray[np.float64]
 
 
 class Resampler:
@@ -91,6 +94,7 @@ class Resampler:
             values: (N, C).
             faults: (N,) of 0 and 1; None for none.
         """
+        times, values = np.asarray(times, np.float64), np.asarray(values, np.float64)
         if not len(times):
             return self._empty(values.shape[1])
         flags = np.zeros(len(times), np.int64) if faults is None else faults.astype(np.int64)
@@ -136,7 +140,7 @@ class Resampler:
         self._total = np.zeros(columns)
 
     def _empty(self, columns: int) -> Gridded:
-        return Gridded(np.empty((0, columns)), np.empty(0, np.uint8))
+        return Gridded(np.empty((0, columns)), np.empty(0, np.uint8), np.empty(0))
 
     def _work(self, end: int) -> Gridded:
         """Work off the steps that end at nodes `_done` + 1 to `end`."""
@@ -144,13 +148,14 @@ class Resampler:
         times, nodes = self._times, self._nodes
         reach = (times[end] - self._origin) / T + _ON_GRID
         points = np.arange(self._next, int(np.floor(reach)) + 1)
-        at = np.minimum(self._origin + points * T, times[end])
+        instants = self._origin + points.astype(np.float64) * T
+        at = np.minimum(instants, times[end])
         # the step that holds each point: from node step - 1 to node step
         step = np.clip(np.searchsorted(times, at, side="left"), begin + 1, max(end, begin + 1))
         if self._points_only:
             if len(times) == 1:
                 step = np.zeros_like(step)
-            given = Gridded(self._curve(step, at), self._flags[step].astype(np.uint8))
+            given = self._curve(step, at), self._flags[step].astype(np.uint8)
         else:
             given = self._increments(begin, end, step, at)
         self._next += len(points)
@@ -159,12 +164,14 @@ class Resampler:
         self._done = end - drop
         if self._given == "increment":
             self._nodes = self._nodes - self._nodes[-1]  # keeps the running total small
-        return given
+        if self._given == "increment" and self._wanted == "rate":
+            instants = instants - 0.5 * T  # the mean over a step is the rate in its middle
+        return Gridded(*given, instants)
 
     def _increments(
         self, begin: int, end: int, step: NDArray[np.int64], at: NDArray[np.float64]
-    ) -> Gridded:
-        """Increments over the grid's steps that end at times `at`, in the given steps."""
+    ) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
+        """Increments over the grid's steps that end at times `at`, in the given steps; faults."""
         nodes = self._nodes
         if self._given == "rate":
             steps = np.arange(begin + 1, end + 1)
@@ -191,7 +198,7 @@ class Resampler:
 
         if self._wanted == "rate":
             values = values / self._T
-        return Gridded(values, faults.astype(np.uint8))
+        return values, faults.astype(np.uint8)
 
     def _window(self, step: NDArray[np.int64]) -> NDArray[np.int64]:
         """(N, up to 4) nodes of the curve over each step: its ends and their neighbours."""

@@ -19,7 +19,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from sculler_model.errors import InputError
-from sculler_model.vectors import ZERO, Vec, cross, plus, times
+from sculler_model.vectors import ZERO, Vec, cross, plus, times, whole_numbers
 
 S_DENOMINATOR = 12
 """Of `s_alpha` and `s_nu`."""
@@ -66,7 +66,12 @@ class HighResolution:
         self.sculling = self.scrolling = ZERO
 
     def step(self, d_alpha: Vec, d_nu: Vec) -> None:
-        """Take the increments of a sample: Δα of the gyro, Δυ of the accelerometer, in counts."""
+        """Take the increments of a sample: Δα of the gyro, Δυ of the accelerometer, in counts.
+
+        Raises:
+            InputError: they are not whole numbers.
+        """
+        d_alpha, d_nu = whole_numbers("gyro", d_alpha), whole_numbers("accel", d_nu)
         alpha, nu, s_alpha, s_nu = self.alpha, self.nu, self.s_alpha, self.s_nu
         slope_alpha = plus(d_alpha, times(-1, self.d_alpha))  # Δα - Δα'
         slope_nu = plus(d_nu, times(-1, self.d_nu))

@@ -8,7 +8,10 @@ columns is the order of the vectors CSV, of the Verilog result ports and of the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from operator import index
+from typing import NamedTuple, SupportsIndex
+
+from sculler_model.errors import InputError
 
 Vec = tuple[int, int, int]
 
@@ -90,6 +93,21 @@ class Result(NamedTuple):
         """The integers in the order of the design's columns."""
         vectors = (vector for vector in self[2:] if vector is not None)
         return (self.major, self.status, *(c for vector in vectors for c in vector))
+
+
+def whole_numbers(name: str, vector: Sequence[SupportsIndex]) -> Vec:
+    """Three whole numbers as Python's own, which cannot wrap; numpy's, of any width, can.
+
+    Raises:
+        InputError: it is not three whole numbers.
+    """
+    try:
+        x, y, z = map(index, vector)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"{name}: {str(vector)[:40]} is not allowed, give three whole numbers"
+        ) from None
+    return (x, y, z)
 
 
 def cross(a: Vec, b: Vec) -> Vec:

@@ -13,6 +13,15 @@ from functools import reduce
 from sculler_model.coefficients import TapTable
 from sculler_model.scrolling import scrolling_weights_total
 
+MAX_BITS = 448
+"""Of a result's component, and of the denominators.
+
+The widest published table, filtered-rate with n = p = 16, needs 395 bits for 32-bit counts and
+M = 4096.  What is wider comes of a slip in a user's table; its core would take minutes and
+gigabytes to make and fit no device, and beyond 1023 bits the host's floats could not hold its
+results.
+"""
+
 
 @dataclass(frozen=True)
 class Interval:

@@ -7,7 +7,7 @@ from itertools import zip_longest
 from pathlib import Path
 
 from sculler_model.errors import InputError
-from sculler_sim.vectors_file import VectorLines
+from sculler_sim.vectors_file import TIME, VectorLines
 
 
 @dataclass(frozen=True)
@@ -18,14 +18,14 @@ class Difference:
         row: row counted from 0.
         major: the row's `major` (the first file's, where it has the row).
         column: name of the first unequal column; `major` where one file has ended.
-        first, second: the two values; None where that file has ended.
+        first, second: the two values, a float for `time_s`; None where that file has ended.
     """
 
     row: int
     major: int
     column: str
-    first: int | None
-    second: int | None
+    first: int | float | None
+    second: int | float | None
 
     def describe(self, first: str | Path, second: str | Path) -> str:
         """One line for people, the files under the given names."""
@@ -43,6 +43,7 @@ class Difference:
 def compare(first: str | Path, second: str | Path) -> Difference | None:
     """First difference of two vectors files, or None where every integer is the same.
 
+    Where both files have times these are compared too; where one has none, that is no difference.
     The files are streamed.  Rows whose text is equal are not taken apart, only checked for form.
 
     Raises:
@@ -57,14 +58,16 @@ def compare(first: str | Path, second: str | Path) -> Difference | None:
         )
     for row, (ours, theirs) in enumerate(zip_longest(one, other)):
         if ours is None or theirs is None:
-            there = one.integers(*ours) if ours else other.integers(*theirs)
+            there, _ = one.row(*ours) if ours else other.row(*theirs)
             values = (there[0], None) if ours else (None, there[0])
             return Difference(row, there[0], "major", *values)
         if ours[1] == theirs[1]:
             one.check(*ours)
             continue
-        a, b = one.integers(*ours), other.integers(*theirs)
+        (a, time), (b, other_time) = one.row(*ours), other.row(*theirs)
         for column, left, right in zip(one.columns, a, b, strict=True):
             if left != right:
                 return Difference(row, a[0], column, left, right)
+        if time is not None and other_time is not None and time != other_time:
+            return Difference(row, a[0], TIME, time, other_time)
     return None

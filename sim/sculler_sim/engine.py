@@ -10,6 +10,8 @@ The rules of a run, whatever the engine:
 * While nothing is offered the sample ports show the next sample's complement, with `fault` set:
   a core that looked at them then would give itself away.
 * A result that comes as a stream of words is taken with its last word.
+* `RESET` in place of a chunk raises `rst` for one clock, once the results of all complete major
+  intervals before it have been taken; the next sample is then the first.
 * After the last sample the run goes on until the results of all complete major intervals have
   been taken; where the core drops results, until that of the last one has.
 """
@@ -62,7 +64,7 @@ class Run(Iterator[VectorBlock]):
 
 def simulate(
     design: Design,
-    chunks: Iterable[Chunk],
+    chunks: Iterable[Chunk | None],
     *,
     engine: EngineName = "verilator",
     stimulus: Stimulus | None = None,
@@ -74,7 +76,7 @@ def simulate(
 
     Args:
         design: the design.
-        chunks: the samples, in order.
+        chunks: the samples, in order; `RESET` (None) resets the core between two.
         engine: `verilator` (the emitted Verilog, compiled), `amaranth` (the Amaranth design in its
             own simulator), or `model`.
         stimulus: levels of the handshakes and the reset; without stalls if not given.
@@ -128,7 +130,7 @@ def trace(
 
 def _stream(
     design: Design,
-    chunks: Iterator[CheckedChunk],
+    chunks: Iterator[CheckedChunk | None],
     stimulus: Stimulus,
     progress: Progress,
     engine: EngineName,

@@ -12,6 +12,7 @@
 //   SCULLER_MAJOR       words of `major` in a stream
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <memory>
 #include <type_traits>
@@ -28,10 +29,30 @@ constexpr int64_t ROW = 2 + COMPONENTS * SCULLER_LIMBS;  // major, status, limbs
 constexpr int64_t SHOWN = ROW;
 #endif
 
+#ifdef SCULLER_VCD
+// Remembers why a waveform could not be written; Verilator's own would end the process.
+class WaveFile final : public VerilatedVcdFile {
+public:
+    int error = 0;
+
+    ssize_t write(const char* data, ssize_t size) override {
+        while (!error) {
+            const ssize_t written = VerilatedVcdFile::write(data, size);
+            if (written >= 0) return written;
+            if (errno != EAGAIN && errno != EINTR) error = errno;
+        }
+        return size;
+    }
+};
+#endif
+
 struct Core {
     VerilatedContext context;
     Vcore top{start(context), ""};
-#ifdef SCULLER_TRACE
+#ifdef SCULLER_VCD
+    WaveFile file;
+    SCULLER_TRACE wave{&file};
+#elif defined SCULLER_TRACE
     SCULLER_TRACE wave;
 #endif
     bool held = false;  // a sample is offered and not yet taken
@@ -205,12 +226,18 @@ EXPORT Core* sculler_create(const char* wave) {
     return core.release();
 }
 
-EXPORT void sculler_destroy(Core* core) {
+// Returns the system's error that a waveform met, or 0.
+EXPORT int sculler_destroy(Core* core) {
+    int error = 0;
     core->top.final();
 #ifdef SCULLER_TRACE
     core->wave.close();
 #endif
+#ifdef SCULLER_VCD
+    error = core->file.error;
+#endif
     delete core;
+    return error;
 }
 
 // Runs up to `clocks` clocks.

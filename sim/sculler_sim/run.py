@@ -18,6 +18,9 @@ from sculler_sim.stimulus import Stimulus
 Chunk = tuple[NDArray[Any], NDArray[Any] | None]
 """Consecutive samples: counts (N, 6), gyro then accelerometer, and faults (N,) or None for 0."""
 
+RESET = None
+"""In place of a chunk: reset the core here, once the results of the samples before are out."""
+
 CheckedChunk = tuple[NDArray[np.int32], NDArray[np.uint8]]
 """The same from `check_chunks`: C-contiguous, every value legal."""
 
@@ -68,8 +71,10 @@ class Progress:
             )
 
 
-def check_chunks(design: Design, chunks: Iterable[Chunk]) -> Iterator[CheckedChunk]:
+def check_chunks(design: Design, chunks: Iterable[Chunk | None]) -> Iterator[CheckedChunk | None]:
     """The chunks as int32 counts and uint8 faults, every value checked; empty ones left out.
+
+    `RESET` stays where it is.
 
     Raises:
         InputError: a chunk's shape or type is wrong or a count does not fit its port; the first
@@ -79,7 +84,11 @@ def check_chunks(design: Design, chunks: Iterable[Chunk]) -> Iterator[CheckedChu
     allowed = [words.gyro] * 3 + [words.accel] * 3
     lo, hi = np.array([w.lo for w in allowed]), np.array([w.hi for w in allowed])
     first = 0
-    for counts, faults in chunks:
+    for chunk in chunks:
+        if chunk is RESET:
+            yield RESET
+            continue
+        counts, faults = chunk
         counts = np.asarray(counts)
         if counts.ndim != 2 or counts.shape[1] != 6 or counts.dtype.kind not in "iu":
             raise InputError(

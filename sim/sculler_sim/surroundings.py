@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from sculler_model.cycles import Ports, Timing
 from sculler_model.design import Design
 from sculler_model.golden import Sample
 from sculler_model.stream import from_words, words_per_result
-from sculler_sim.run import CheckedChunk, Progress, wrong_last
+from sculler_sim.run import RESET, CheckedChunk, Progress, wrong_last
 from sculler_sim.stimulus import Stimulus
 
 _LEVELS = 1 << 12  # clocks of stimulus made at a time
+
+
+_RESET: Literal["reset"] = "reset"  # in the place of a sample
+_END: Literal["end"] = "end"
 
 
 class Inputs(NamedTuple):
@@ -33,7 +37,7 @@ class Surroundings:
     Args:
         design: the design.
         timing: the core's clocks, which tell a slow core from one that hangs.
-        chunks: the samples.
+        chunks: the samples; `RESET` between two resets the core, once its results are out.
         stimulus: levels of the handshakes and the reset.
         progress: counted up as the run goes on.
         clocks: run this many clocks; None runs until all samples are taken and all results out.
@@ -50,7 +54,7 @@ class Surroundings:
         self,
         design: Design,
         timing: Timing,
-        chunks: Iterator[CheckedChunk],
+        chunks: Iterator[CheckedChunk | None],
         stimulus: Stimulus,
         progress: Progress,
         clocks: int | None = None,
@@ -64,8 +68,9 @@ class Surroundings:
         self._clocks = clocks
         self._levels = self._each_level()
         self._samples = _each_sample(chunks)
-        self._next = next(self._samples, None)
+        self._next = next(self._samples, _END)
         self._held = 0
+        self._resets = False  # this clock resets the core between two samples
         self._pause = 0  # a sample was given up in the clock before
         self._gives_up = 0
         self.inputs = self._present()
@@ -75,7 +80,7 @@ class Surroundings:
         """Whether the run has come to its end."""
         if self._clocks is not None:
             return self._progress.clocks >= self._clocks
-        return self._next is None and self._progress.drained(self._design)
+        return self._next == _END and self._progress.drained(self._design)
 
     def clocked(self, ports: Ports) -> None:
         """End the present clock, in which the core showed `ports`."""
@@ -86,15 +91,18 @@ class Surroundings:
         self._held = valid
         self._pause = 0
         if valid and self._gives_up and (rst or not ports.sample_ready):
-            self._next = next(self._samples, None)
+            self._next = next(self._samples, _END)
             self._held, self._pause = 0, 1
             run.lost += 1
         if rst:
             run.since_reset = run.intervals_told = 0
             self._words.clear()
+            if self._resets:
+                self._next = next(self._samples, _END)
+                self._resets = False
         else:
             if valid and ports.sample_ready:
-                self._next = next(self._samples, None)
+                self._next = next(self._samples, _END)
                 self._held = 0
                 run.samples += 1
                 run.since_reset += 1
@@ -126,7 +134,10 @@ class Surroundings:
 
     def _present(self) -> Inputs:
         offer, take, rst, self._gives_up = next(self._levels)
-        if self._next is None:
+        if self._next == _RESET:
+            self._resets = self._progress.drained(self._design)
+            return Inputs(0, None, take, 1) if self._resets else Inputs(0, None, take, rst)
+        if self._next == _END:
             return Inputs(0, None, take, rst)
         if (offer or self._held) and not self._pause:
             return Inputs(1, self._next, take, rst)
@@ -148,7 +159,11 @@ def _complement(counts: tuple[int, int, int]) -> tuple[int, int, int]:
     return (~x, ~y, ~z)
 
 
-def _each_sample(chunks: Iterator[CheckedChunk]) -> Iterator[Sample]:
-    for counts, faults in chunks:
+def _each_sample(chunks: Iterator[CheckedChunk | None]) -> Iterator[Sample | Literal["reset"]]:
+    for chunk in chunks:
+        if chunk is RESET:
+            yield _RESET
+            continue
+        counts, faults = chunk
         for (gx, gy, gz, ax, ay, az), fault in zip(counts.tolist(), faults.tolist(), strict=True):
             yield (gx, gy, gz), (ax, ay, az), fault

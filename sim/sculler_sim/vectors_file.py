@@ -1,11 +1,16 @@
-"""The vectors CSV (DESIGN section 4): decimal integers of any size, one row per major interval."""
+"""The vectors CSV (DESIGN section 4): decimal integers of any size, one row per major interval.
+
+Where the log had stamps there is one more column, the last: `time_s`, the instant of the interval's
+end on the log's clock, the shortest decimal of the float.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, ExitStack
 from itertools import islice
+from math import isfinite
 from pathlib import Path
 from types import TracebackType
 
@@ -15,17 +20,28 @@ from sculler_model.blocks import VectorBlock, component_dtype
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.vectors import AXES, COLUMNS, HIGH_RESOLUTION_COLUMNS
-from sculler_sim.files import replacing
+from sculler_sim.files import open_lines, replacing
+
+TIME = "time_s"
+"""Name of the optional last column."""
 
 
-def _header(columns: Sequence[str]) -> str:
-    return ",".join(columns) + "\n"
+def _header(columns: Sequence[str], times: bool) -> str:
+    return ",".join(columns) + f",{TIME}" * times + "\n"
 
+
+MAX_DIGITS = 4000
+"""Of a component, many times what any design gives; Python converts no more than 4300."""
 
 _CELL = re.compile(r"-?[0-9]+")
+_TIME = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]+)?")  # as Python writes floats
 _HIGHEST_STATUS = 15
-_COLUMNS = {_header(columns): columns for columns in (COLUMNS, HIGH_RESOLUTION_COLUMNS)}
-"""The columns that a header stands for."""
+_COLUMNS = {
+    _header(columns, times): (columns, times)
+    for columns in (COLUMNS, HIGH_RESOLUTION_COLUMNS)
+    for times in (False, True)
+}
+"""The columns of integers that a header stands for, and whether it has times."""
 
 
 class VectorsWriter(AbstractContextManager["VectorsWriter"]):
@@ -33,35 +49,60 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
 
     Attributes:
         path: the file.
-        columns: its columns, `Design.columns`.
+        columns: its columns of integers, `Design.columns`.
+        times: whether it has the column `time_s`; None until a block with rows or times settles it.
         rows: rows written so far.
 
     Raises:
         InputError: on entering: the folder is absent or cannot be written to.
     """
 
-    def __init__(self, path: str | Path, columns: Sequence[str] = COLUMNS) -> None:
+    def __init__(
+        self, path: str | Path, columns: Sequence[str] = COLUMNS, times: bool | None = None
+    ) -> None:
         self.path = Path(path)
         self.columns = tuple(columns)
-        self._format = ",".join(["%d"] * len(columns)) + "\n"
+        self._format = ",".join(["%d"] * len(columns))
+        self.times = times
         self.rows = 0
-        self._replacing = replacing(self.path)
 
     def __enter__(self) -> VectorsWriter:
-        self._file = self._replacing.__enter__().open("w", encoding="ascii", newline="\n")
-        self._file.write(_header(self.columns))
+        with ExitStack() as stack:
+            temporary = stack.enter_context(replacing(self.path))
+            file = temporary.open("w", encoding="ascii", newline="\n")
+            self._file = stack.enter_context(file)
+            self._headed = False
+            self._stack = stack.pop_all()
         return self
 
     def write(self, block: VectorBlock) -> None:
         """Append the block's rows.
 
         Raises:
-            ValueError: the block has other columns than the file.
+            ValueError: the block has other columns than the file, or times where the file has none,
+                or none where it has.
         """
         if block.columns != self.columns:
             raise ValueError(f"{self.path}: {len(block.columns)} columns for {len(self.columns)}")
-        self._file.writelines(self._format % row for row in block.rows())
+        if not len(block) and block.times is None:
+            return
+        if self.times is None:
+            self.times = block.times is not None
+        self._write_header()
+        if (block.times is not None) != self.times:
+            raise ValueError(f"{self.path}: give blocks times exactly where the file has them")
+        rows = (self._format % row for row in block.rows())
+        if block.times is None:
+            self._file.writelines(row + "\n" for row in rows)
+        else:
+            stamps = zip(rows, block.times.tolist(), strict=True)
+            self._file.writelines(f"{row},{time!r}\n" for row, time in stamps)
         self.rows += len(block)
+
+    def _write_header(self) -> None:
+        if not self._headed:
+            self._file.write(_header(self.columns, bool(self.times)))
+            self._headed = True
 
     def __exit__(
         self,
@@ -69,12 +110,13 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        self._file.close()
-        self._replacing.__exit__(kind, error, traceback)
+        if kind is None:
+            self._write_header()
+        self._stack.__exit__(kind, error, traceback)
 
 
 def read_vectors(
-    path: str | Path, design: Design | None = None, chunk: int = 1 << 14
+    path: str | Path, design: Design | None = None, chunk: int = 1 << 14, *, missing: bool = False
 ) -> Iterator[VectorBlock]:
     """Read a vectors CSV in blocks of at most `chunk` rows.
 
@@ -84,11 +126,12 @@ def read_vectors(
             width, and the components are int64 where the design's fit it; without it they are
             Python integers (dtype object).
         chunk: rows in a block, which bound the memory.
+        missing: let rows be missing, that is, `major` jump forwards, as where the design drops
+            results.
 
     Raises:
         InputError: the file cannot be read, is cut short, its header or a cell is wrong, `major`
-            does not run 0, 1, 2... (from 0 again after a reset; with gaps where the design drops
-            results), or the columns or a component do
+            does not run 0, 1, 2... (from 0 again after a reset), or the columns or a component do
             not fit the design.  The line is named.
     """
     lines = VectorLines(path)
@@ -98,13 +141,14 @@ def read_vectors(
             f' position = "{design.algorithm.position}" gives {len(design.columns)}; is this its'
             " vectors file?"
         )
-    gaps = design is not None and design.drops_results
+    missing = missing or (design is not None and design.drops_results)
     dtype = np.dtype(object) if design is None else component_dtype(design)
     major = -1
     while numbered := list(islice(lines, chunk)):
-        rows = [lines.integers(number, line) for number, line in numbered]
+        cells = [lines.row(number, line) for number, line in numbered]
+        rows = [integers for integers, _ in cells]
         for (number, _), row in zip(numbered, rows, strict=True):
-            if row[0] not in (0, major + 1) and not (gaps and row[0] > major):
+            if row[0] not in (0, major + 1) and not (missing and row[0] > major):
                 raise InputError(
                     f"{path}: line {number}: major is {row[0]} where {major + 1} should follow,"
                     " rows are missing or out of order"
@@ -120,6 +164,7 @@ def read_vectors(
             np.array([row[0] for row in rows], np.int64),
             np.array([row[1] for row in rows], np.int64),
             np.array([row[2:] for row in rows], dtype),
+            np.array([time for _, time in cells], np.float64) if lines.times else None,
         )
 
 
@@ -128,7 +173,8 @@ class VectorLines(Iterator[tuple[int, str]]):
 
     Attributes:
         path: the file.
-        columns: its columns, from the header.
+        columns: its columns of integers, from the header.
+        times: whether the column `time_s` follows them.
 
     Raises (the first at once, the others in the iteration):
         InputError: the file cannot be read, its header is wrong, or its last line has no end.
@@ -144,42 +190,57 @@ class VectorLines(Iterator[tuple[int, str]]):
                 f"{path}: line 1: the header is {_shown(header)}, a vectors file begins with"
                 f" {begin}..."
             )
-        self.columns = _COLUMNS[header]
+        self.columns, self.times = _COLUMNS[header]
         self._row = re.compile(rf"-?[0-9]+(?:,-?[0-9]+){{{len(self.columns) - 1}}}")
 
     def __next__(self) -> tuple[int, str]:
         return next(self._lines)
 
-    def integers(self, number: int, line: str) -> tuple[int, ...]:
-        """The integers of a row.
+    def row(self, number: int, line: str) -> tuple[tuple[int, ...], float | None]:
+        """The integers of a row, and its time (s), None where the file has no times.
 
         Raises:
-            InputError: too few or too many cells, or one that is not an integer.
+            InputError: too few or too many cells, or one that is no number of its kind.
         """
         self.check(number, line)
-        return tuple(map(int, line.split(",")))
+        cells = line.split(",")
+        time = float(cells.pop()) if self.times else None
+        return tuple(map(int, cells)), time
 
     def check(self, number: int, line: str) -> None:
-        """Raise InputError if the line is not as many integers as there are columns."""
-        if self._row.fullmatch(line):
-            return
-        cells = line.split(",")
-        for column, cell in zip(self.columns, cells, strict=False):
-            if not _CELL.fullmatch(cell):
+        """Raise InputError if the line is not as many numbers as there are columns."""
+        integers, _, time = line.rpartition(",") if self.times else (line, "", "0")
+        cells, names = line.split(","), (*self.columns, *[TIME] * self.times)
+        if self._row.fullmatch(integers) and _is_time(time):
+            longest = max(map(len, cells))
+            if longest <= MAX_DIGITS:
+                return
+            column = names[[len(cell) for cell in cells].index(longest)]
+            raise InputError(
+                f"{self.path}: line {number}: {column} has {longest} digits, more than any design"
+                " gives; is this a vectors file?"
+            )
+        for column, cell in zip(names, cells, strict=False):
+            good = _is_time(cell) if column == TIME else _CELL.fullmatch(cell)
+            if not good:
+                kind = "decimal seconds" if column == TIME else "a whole number"
                 raise InputError(
-                    f"{self.path}: line {number}: {column} is {_shown(cell)}, must be a whole"
-                    " number"
+                    f"{self.path}: line {number}: {column} is {_shown(cell)}, must be {kind}"
                 )
         raise InputError(
-            f"{self.path}: line {number}: {len(cells)} cells, must be {len(self.columns)}; is the"
+            f"{self.path}: line {number}: {len(cells)} cells, must be {len(names)}; is the"
             " file cut short?"
         )
+
+
+def _is_time(cell: str) -> bool:
+    return _TIME.fullmatch(cell) is not None and isfinite(float(cell))
 
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:
     """Number and text of each line, the header with its end."""
     try:
-        with path.open(encoding="ascii") as file:
+        with open_lines(path, encoding="ascii") as file:
             yield 1, file.readline()
             for number, line in enumerate(file, start=2):
                 if not line.endswith("\n"):

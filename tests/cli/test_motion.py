@@ -36,7 +36,7 @@ def written(run: Run, folder: Path, *words: object) -> tuple[np.ndarray, NavHist
     assert (outcome.status, outcome.err) == (0, ""), outcome
     said = json.loads(outcome.out)
     assert (said["output"], said["truth"]) == (str(log), str(truth))
-    counts = np.concatenate([c for c, _ in read_log(log, Design.preset("stim300"))])
+    counts = np.concatenate([c for c, *_ in read_log(log, Design.preset("stim300"))])
     return counts, NavHistory.concatenate(list(read_truth(truth))), said
 
 
@@ -160,7 +160,7 @@ def test_faults(tmp_path: Path, refused: Refused, words: tuple[object, ...], mes
 def test_files(tmp_path: Path, refused: Refused) -> None:
     words = ("motion", "rest", "--design", "stim300", "--duration", 1)
     one = tmp_path / "one.csv"
-    assert "cannot be one file" in refused(*words, "-o", one, "--truth", one)
+    assert "two outputs of this command" in refused(*words, "-o", one, "--truth", one)
     absent = tmp_path / "absent" / "truth.csv"
     assert "cannot write to folder" in refused(*words, "-o", one, "--truth", absent)
     assert "Missing option '--truth'" in refused(*words, "-o", one)

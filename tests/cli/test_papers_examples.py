@@ -34,7 +34,9 @@ Run = Callable[..., Any]
 
 RATE, HALF_ANGLE, OMEGA = 1000.0, radians(1.0), 2 * pi * 20
 START, SECONDS = 0.1, 5.0
-"""Whole cycles of the motion and whole major intervals of every design: the ripple cancels."""
+"""Whole cycles of the motion and whole major intervals of every design: the ripple cancels.
+
+Of rates the last one is at 4.999 s, where the last interval ends; they begin as much earlier."""
 
 
 class Flown(NamedTuple):
@@ -44,6 +46,7 @@ class Flown(NamedTuple):
     log: Path
     truth: Path
     errors: dict[str, Any]
+    start: float
 
     def drift(self, quantity: str) -> float:
         """Error about, or along, down at the end over the time: °/h, or m/s²."""
@@ -67,10 +70,11 @@ def flown(run: Run, tmp_path: Path) -> Callable[..., Flown]:
         ):
             outcome = run(*words)
             assert outcome.status == 0, outcome
-        words = ("navigate", toml, rtl, "-o", nav, "--truth", truth, "--start", START)
+        start = START - (1 / RATE if kind == "rate" else 0.0)
+        words = ("navigate", toml, rtl, "-o", nav, "--truth", truth, "--start", start)
         outcome = run(*words, "--no-plots", "--json")
         assert outcome.status == 0, outcome
-        return Flown(Design.load(toml), log, truth, json.loads(outcome.out)["errors"])
+        return Flown(Design.load(toml), log, truth, json.loads(outcome.out)["errors"], start)
 
     return flown
 
@@ -118,16 +122,16 @@ def runge_kutta_drift(run: Flown) -> float:
 
     Steps of two samples; the rates at their beginning, middle and end.
     """
-    counts = np.concatenate([counts for counts, _ in read_log(run.log, run.design)])
+    counts = np.concatenate([counts for counts, *_ in read_log(run.log, run.design)])
     rates = (counts[:, :3] * run.design.sensor.gyro.lsb).tolist()
     truth = NavHistory.concatenate(list(read_truth(run.truth)))
-    h, first = 2 / RATE, round(START * RATE)
+    h, first = 2 / RATE, round(run.start * RATE)  # sample i is taken at i ms
 
     def slope(q: tuple[float, ...], rate: list[float]) -> np.ndarray[Any, np.dtype[np.float64]]:
         return 0.5 * np.array(product(q, (0.0, *rate)))
 
-    q = truth.state(first // 2).q
-    for i in range(first - 1, len(rates) - 1, 2):  # sample i is taken at (i + 1) ms
+    q = truth.state(int(np.argmin(abs(truth.time - run.start)))).q
+    for i in range(first, len(rates) - 2, 2):
         now, begin, middle, end = np.array(q), *rates[i : i + 3]
         k1 = slope(q, begin)
         k2 = slope((*(now + 0.5 * h * k1),), middle)

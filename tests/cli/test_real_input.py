@@ -37,7 +37,7 @@ def test_laser_gyro(run: Run, data: Path, tmp_path: Path) -> None:
     assert said["sensors"]["gyro"]["unchanged"]
     assert said["sensors"]["accel"]["unchanged"]
     rows = np.loadtxt(source, skiprows=14, dtype=np.int64)
-    assert np.array_equal(np.concatenate([c for c, _ in read_log(log, Design.load(DESIGN))]), rows)
+    assert np.array_equal(np.concatenate([c for c, *_ in read_log(log, Design.load(DESIGN))]), rows)
 
     for verb, out in (("model", model), ("simulate", rtl)):
         said = json.loads(run(verb, DESIGN, log, "-o", out, "--json").out)
@@ -78,7 +78,7 @@ def test_drive_from_mat(run: Run, data: Path, tmp_path: Path) -> None:
     said = json.loads(outcome.out)
     assert said["samples"] == 10_001
     assert said["timing"]["gap_count"] == said["timing"]["unequal_steps"] == 0
-    counts = np.concatenate([c for c, _ in read_log(log, Design.load(design))])
+    counts = np.concatenate([c for c, *_ in read_log(log, Design.load(design))])
     imu = scipy.io.loadmat(source)["mimu"][:, :6]
     lsb = np.array([1e-9] * 3 + [1e-7] * 3)
     # no angle is lost: at every sample the totals agree to half a count

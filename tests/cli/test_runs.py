@@ -190,3 +190,22 @@ def test_generated_bench_passes_in_icarus(run: Run, tmp_path: Path, design: Path
         ["vvp", "bench"], cwd=folder, check=True, capture_output=True, text=True
     ).stdout
     assert "PASS" in out.splitlines()[-1]
+
+
+@pytest.mark.parametrize("verb", ["model", "simulate"])
+def test_implausible_counts_are_told_with_their_line(
+    run: Run, tmp_path: Path, design: Path, verb: str
+) -> None:
+    """A lone spike, and all counts at zero for two seconds: said, not refused."""
+    rng = np.random.default_rng(3)
+    counts = np.rint(rng.normal(0, 3, (4000, 6))).astype(int)
+    counts[700, 1] = 30_000
+    counts[1500:3500] = 0
+    log = tmp_path / "log.csv"
+    np.savetxt(log, counts, "%d", ",", header=HEADER, comments="")
+    outcome = run(verb, design, log, "-o", tmp_path / "out.csv", "--json")
+    assert outcome.status == 0, outcome.err
+    spike, zero = json.loads(outcome.out)["warnings"]
+    assert spike.startswith("gyro_y is 30000 at line 702, more than a thousand times the rest")
+    assert zero.startswith("all six counts are 0 from line 1502 on for 2,000 samples")
+    assert "warning 2" in run(verb, design, log, "-o", tmp_path / "out.csv").out

@@ -164,7 +164,6 @@ def test_a_page_without_truth_and_with_warnings(
 def test_without_matplotlib(
     run: Run,
     tmp_path: Path,
-    refused: Refused,
     turn: tuple[Path, Path, Path],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -172,9 +171,11 @@ def test_without_matplotlib(
     toml, vectors, truth = turn
     words = ("navigate", toml, vectors, "-o", tmp_path / "nav.csv", "--truth", truth)
     page = tmp_path / "run.html"
-    assert "pip install 'sculler[plots]'" in refused(*words, "--report", page)
-    assert run(*words, "--report", page, "--no-plots").status == 0
-    assert "tilt about north" in page.read_text()
+    assert run(*words, "--report", page).status == 0
+    text = page.read_text()
+    assert "tilt about north" in text
+    assert "pip install &#x27;sculler[plots]&#x27;" in text
+    assert "<img" not in text
 
 
 def test_start_at_a_later_time(run: Run, tmp_path: Path, turn: tuple[Path, Path, Path]) -> None:
@@ -306,7 +307,9 @@ def test_bad_arrays(
         return line
 
     assert "column lat_deg is missing" in said(lat_deg=None)
-    assert "row 2: v_east is nan" in said(v_east=np.array([0.0, np.nan]))
+    assert "row 2: v_east is inf" in said(v_east=np.array([0.0, np.inf]))
+    assert "fewer than two rows" in said(v_east=np.array([0.0, np.nan]))
+    assert "every row of the truth has NaN" in said(v_east=np.full(2, np.nan))
     assert "row 2: time 1.4 s does not come after 1.5 s" in said(time_s=np.array([1.5, 1.4]))
     assert "row 1: lat_deg 91 is not allowed" in said(lat_deg=np.array([91.0, 48.0]))
     assert "row 2: the quaternion has length 0.5" in said(q_w=np.array([1.0, 0.5]))
@@ -339,15 +342,17 @@ BAD = {
     "no time": (f"{HEADER}\n{GOOD}\n".replace("time_s", "t"), "line 1: column time_s is missing"),
     "no attitude": (
         f"{HEADER}\n{GOOD}\n".replace("q_w", "w").replace("roll", "r"),
-        "line 1: an attitude (q_w,q_x,q_y,q_z or roll_deg,pitch_deg,heading_deg) is missing",
+        "line 1: column q_w is missing, add it or leave out all of q_w,q_x,q_y,q_z",
     ),
     "twice": (f"{HEADER},v_east\n{GOOD},1\n", "column v_east is there twice"),
     "backwards": (changed("time_s", "1.4"), "line 3: time 1.4 s does not come after 1.5 s"),
     "standing": (changed("time_s", "1.5"), "line 3: time 1.5 s does not come after 1.5 s"),
-    "NaN": (changed("v_east", "nan"), "line 3: v_east is nan"),
+    "only time": ("time_s,t\n1,2\n2,3\n", "line 1: neither attitude"),
+    "NaN": (changed("v_east", "nan"), "fewer than two rows"),
+    "all NaN": (changed("v_east", "").replace(GOOD, GOOD.replace("48", "nan")), "has NaN"),
     "infinite": (changed("height_m", "inf"), "line 3: height_m is inf"),
     "no number": (changed("v_down", "fast"), "line 3: v_down is 'fast', give a number"),
-    "no value": (changed("v_down", ""), "line 3: v_down is ''"),
+    "no value": (changed("v_down", ""), "fewer than two rows"),
     "not unit": (changed("q_w", "0.999"), "line 3: the quaternion has length 0.999"),
     "zero": (changed("q_w", "0"), "line 3: the quaternion has length 0,"),
     "off the Earth": (changed("lat_deg", "90.001"), "line 3: lat_deg 90.001 is not allowed"),
@@ -357,7 +362,10 @@ BAD = {
     "short row": (f"{HEADER}\n{GOOD}\n1.6,1,0\n", "line 3: 3 values for 14 columns"),
     "blank row": (f"{HEADER}\n{GOOD}\n\n{NEXT}\n", "line 3: 1 values for 14 columns"),
     "one row": (f"{HEADER}\n{GOOD}\n", "fewer than two rows"),
-    "not on an interval": (f"{HEADER}\n{GOOD}\n{NEXT}\n".replace("1.5,", "1.503,"), "1.503 s"),
+    "between": (
+        f"{HEADER}\n{GOOD}\n{NEXT}\n".replace("1.5,", "1.502,").replace("1.6,", "1.507,"),
+        "the truth goes from 1.502 s to 1.507 s and has nothing in common",
+    ),
 }
 
 
@@ -374,20 +382,155 @@ def test_bad_truths(
     assert f"{truth}: " in line
 
 
-def test_truths_of_another_span(
+def test_a_truth_of_another_span_is_compared_over_the_overlap(
+    run: Run, tmp_path: Path, turn: tuple[Path, Path, Path]
+) -> None:
+    toml, vectors, truth = turn
+    lines = truth.read_text().splitlines(keepends=True)  # every 0.05 s from 0 to 20
+    other = tmp_path / "other.csv"
+    out, page = tmp_path / "nav.csv", tmp_path / "run.html"
+    other.write_text("".join([lines[0], *lines[81:200]]))  # from 4 s to 9.9 s
+    words = ("navigate", toml, vectors, "-o", out, "--truth", other, "--no-plots")
+    outcome = run(*words, "--report", page)
+    assert outcome.status == 0, outcome
+    assert "10.1 s of the run after it ends" in outcome.out.replace("\n", " ")
+    assert "10.1 s of the run after it ends" in page.read_text()
+    said = navigated(run, toml, vectors, out, "--truth", other)
+    assert (said["start_s"], said["seconds"]) == pytest.approx((4, 16))
+    errors = said["errors"]
+    assert errors["instants"] == 119
+    assert errors["left_out_s"] == pytest.approx(
+        {"run_before": 0, "run_after": 10.1, "truth_before": 0, "truth_after": 0}, abs=1e-9
+    )
+    assert errors["position_m"]["horizontal"]["max"] < 1e-3
+    # a truth that goes on before and after what is run
+    span = ("--truth", truth, "--start", 5, "--stop", 12.5)
+    said = navigated(run, toml, vectors, out, *span)
+    assert (said["start_s"], said["seconds"]) == pytest.approx((5, 7.5))
+    assert said["errors"]["instants"] == 151
+    assert said["errors"]["left_out_s"] == pytest.approx(
+        {"run_before": 0, "run_after": 0, "truth_before": 5, "truth_after": 7.5}, abs=1e-9
+    )
+    assert float(out.read_text().splitlines()[-1].split(",")[0]) == pytest.approx(12.5)
+
+
+def test_a_span_without_truth_or_results(
     tmp_path: Path, refused: Refused, turn: tuple[Path, Path, Path]
 ) -> None:
     toml, vectors, truth = turn
+    words = ("navigate", toml, vectors, "-o", tmp_path / "nav.csv", "--truth")
+    assert "not the end of a major interval" in refused(*words, truth, "--start", 4.993)
+    assert "no results to navigate with" in refused(*words, truth, "--start", 20)
+    assert "--stop 3 is not after --start 5" in refused(*words, truth, "--start", 5, "--stop", 3)
+    assert "--stop: 0 s is not after" in refused(*words, truth, "--stop", 0)
     lines = truth.read_text().splitlines(keepends=True)
     other = tmp_path / "other.csv"
-    words = ("navigate", toml, vectors, "-o", tmp_path / "nav.csv", "--truth", other)
     other.write_text("".join(lines[:200]))
-    assert "the truth ends at 9.9 s, but the run goes on" in refused(*words)
-    more = [f"{20 + 0.05 * k},{line.split(',', 1)[1]}" for k, line in enumerate(lines[2:30], 1)]
-    other.write_text("".join(lines + more))
-    assert "goes on to 21.4 s or longer, but the run ends at 20 s" in refused(*words)
-    assert "has no row at 4.993 s" in refused(*words[:-1], truth, "--start", 4.993)
-    assert "fewer than two rows" in refused(*words[:-1], truth, "--start", 20)
+    assert "the truth has no state at 15 s" in refused(*words, other, "--start", 15)
+    later = [
+        f"{1000 + float(line.split(',', 1)[0])!r},{line.split(',', 1)[1]}" for line in lines[1:]
+    ]
+    other.write_text("".join([lines[0], *later]))
+    line = refused(*words, other)
+    assert "the truth goes from 1000 s to" in line
+    assert "nothing in common with the run from 0 s to 20 s" in line
+
+
+def kept(truth: Path, to: Path, columns: tuple[str, ...], change: Any = None) -> Path:
+    """Some columns of a truth file, changed row by row."""
+    names, *rows = (line.split(",") for line in truth.read_text().splitlines())
+    places = [names.index(column) for column in columns]
+    table = [[row[place] for place in places] for row in rows]
+    if change is not None:
+        table = [change(number, row) for number, row in enumerate(table)]
+    to.write_text("\n".join(",".join(row) for row in [list(columns), *table]) + "\n")
+    return to
+
+
+ATTITUDE = ("q_w", "q_x", "q_y", "q_z")
+VELOCITY = ("v_north", "v_east", "v_down")
+POSITION = ("lat_deg", "lon_deg", "height_m")
+START = {
+    "attitude": ("--roll", "--pitch", "--heading"),
+    "velocity": ("--vn", "--ve", "--vd"),
+    "position": ("--lat", "--lon", "--height"),
+}
+
+
+@pytest.mark.parametrize(
+    "parts", [("attitude",), ("velocity",), ("position",), ("attitude", "position")]
+)
+def test_a_truth_may_tell_a_part(
+    run: Run, tmp_path: Path, turn: tuple[Path, Path, Path], parts: tuple[str, ...]
+) -> None:
+    """Its errors are those of the whole truth; what it lacks of the start the options give."""
+    toml, vectors, truth = turn
+    groups = {"attitude": ATTITUDE, "velocity": VELOCITY, "position": POSITION}
+    columns = ("time_s", *(column for part in parts for column in groups[part]))
+    partial = kept(truth, tmp_path / "part.csv", columns)
+    names, first = (line.split(",") for line in truth.read_text().splitlines()[:2])
+    values = dict(zip(names, first, strict=True))
+    euler = [values[f"{name}_deg"] for name in ("roll", "pitch", "heading")]
+    told = {
+        "attitude": euler,
+        "velocity": [values[name] for name in VELOCITY],
+        "position": [values[name] for name in POSITION],
+    }
+    lacking = [
+        word
+        for part in groups
+        if part not in parts
+        for pair in zip(START[part], told[part], strict=True)
+        for word in pair
+    ]
+    out, page = tmp_path / "nav.csv", tmp_path / "run.html"
+    whole = navigated(run, toml, vectors, out, "--truth", truth)["errors"]
+    outcome = run("navigate", toml, vectors, "-o", out, "--truth", partial, *lacking, "--json",
+                  "--report", page)  # fmt: skip
+    assert outcome.status == 0, outcome
+    errors = json.loads(outcome.out)["errors"]
+    keys = {"attitude": "attitude_arcsec", "velocity": "velocity_m_s", "position": "position_m"}
+    for part, key in keys.items():
+        assert (key in errors) == (part in parts)
+        if part in parts:
+            assert errors[key]["north"]["max"] == pytest.approx(
+                whole[key]["north"]["max"], rel=0.05, abs=1e-9
+            )
+    assert ("horizontal_growth_nmi_per_h" in errors) == ("position" in parts)
+    _Page(page.read_text(encoding="utf-8")).check()
+    assert "nan" not in page.read_text(encoding="utf-8").split("<pre")[0].lower().split("base64")[0]
+
+
+def test_what_neither_truth_nor_options_tell(
+    tmp_path: Path, refused: Refused, turn: tuple[Path, Path, Path]
+) -> None:
+    toml, vectors, truth = turn
+    partial = kept(truth, tmp_path / "part.csv", ("time_s", *ATTITUDE))
+    words = ("navigate", toml, vectors, "-o", tmp_path / "nav.csv", "--truth", partial)
+    assert "--lat: missing, for the truth tells no position" in refused(*words)
+    assert "--height: missing" in refused(*words, "--lat", 48, "--lon", 11)
+
+
+def test_rows_with_nan_are_passed_over_and_counted(
+    run: Run, tmp_path: Path, turn: tuple[Path, Path, Path]
+) -> None:
+    toml, vectors, truth = turn
+
+    def holes(number: int, row: list[str]) -> list[str]:
+        if number in (0, 7, 8, 100):
+            row = [row[0], *(["nan", ""][number % 2] for _ in row[1:])]
+        return row
+
+    names = tuple(truth.read_text().splitlines()[0].split(","))
+    holed = kept(truth, tmp_path / "holed.csv", names, holes)
+    out = tmp_path / "nav.csv"
+    said = navigated(run, toml, vectors, out, "--truth", holed)
+    assert said["start_s"] == pytest.approx(0.05)
+    assert said["errors"]["rows_passed_over"] == 4
+    assert said["errors"]["instants"] == 397
+    assert said["errors"]["position_m"]["horizontal"]["max"] < 1e-3
+    outcome = run("navigate", toml, vectors, "-o", out, "--truth", holed, "--no-plots")
+    assert "4 rows with NaN" in outcome.out
 
 
 def test_options(tmp_path: Path, refused: Refused, turn: tuple[Path, Path, Path]) -> None:

@@ -8,6 +8,8 @@ from amaranth import ClockDomain, Module
 from amaranth.sim import Simulator
 
 from position_designs import HIGH_RESOLUTION
+from sculler_hdl.compact import core as compact_core
+from sculler_hdl.compact import engine as compact_engine
 from sculler_hdl.compact.core import CompactCore
 from sculler_hdl.compact.memory import BlockMemory, _initial_row
 from sculler_hdl.compact.microcode import timing
@@ -114,6 +116,31 @@ def test_results_of_the_default_design():
     assert max(clocks.work) <= 350
     run = Watched(design, 3, 1.0, 1.0).run(2 * 5 * clocks.work[3] + clocks.latency + 3 * 100)
     assert run.words == 2 * words_per_result(design)
+
+
+@pytest.mark.parametrize(
+    ("name", "hardware", "clocks"),
+    [
+        ("smallest", {}, 900),
+        ("dense_odd_3", {"target": "ice40"}, 4000),
+        ("smallest", {"multipliers": 0}, 6000),
+        ("smallest_hr", {"target": "ecp5"}, 2000),
+    ],
+)
+def test_memories_may_hold_anything_at_first(name, hardware, clocks, monkeypatch):
+    """All but the program's, which is never written."""
+    rng = random.Random(4)
+
+    def spoilt(target, width, initial, *, written=True, primitive=True):
+        if written:
+            initial = [rng.randrange(1 << width) for _ in initial]
+        return BlockMemory(target, width, initial, written=written, primitive=primitive)
+
+    monkeypatch.setattr(compact_core, "BlockMemory", spoilt)
+    monkeypatch.setattr(compact_engine, "BlockMemory", spoilt)
+    design = compact((DESIGNS | HIGH_RESOLUTION)[name], **hardware)
+    run = Watched(design, 5, offered=0.9, taken=0.9).run(clocks)
+    assert run.words > 2 * words_per_result(design)  # both banks
 
 
 def run_part(part, drive):

@@ -178,7 +178,7 @@ def test_microcode_puts_every_part_where_its_stage_acts():
     design = compact(DESIGNS["dense_odd_3"])
     code, delays = microcode(design), pipeline(design)
     assert delays == Pipeline(step=1, memory=2, product=3)
-    start = 0
+    start = code.startup
     for phase, instructions in program(design).phases.items():
         words = code.words[start : start + code.lengths[phase]]
         for number, instruction in enumerate(instructions, start=1):

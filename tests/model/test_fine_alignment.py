@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements, velocity_rotation
 from sculler_model.motion import Motion, at_rest
-from sculler_model.navigation import FineAlignment, SensorNoise, align_finely, navigate
+from sculler_model.navigation import (
+    NAVIGATION_GRADE,
+    FineAlignment,
+    SensorNoise,
+    align_finely,
+    navigate,
+)
 from sculler_model.navigation.earth import EARTH_RATE, gravity
 from sculler_model.navigation.rotation import (
     Quaternion,
@@ -161,7 +167,7 @@ def test_navigation_goes_on_without_a_jump() -> None:
     rng = np.random.default_rng(3)
     _, inc = rest()
     walk = rng.normal(size=(COUNT, 3)) * ARW * sqrt(INTERVAL)
-    found = align_finely(disturbed(inc, walk), INTERVAL, LAT, H)
+    found = align_finely(disturbed(inc, walk), INTERVAL, LAT, H, NAVIGATION_GRADE)
     track = navigate(found.state(LAT, LON, H), INTERVAL, inc[:240])
     level = 3 * max(found.sigma[:2])
     assert np.abs(track.v[:, :2]).max() < 9.8 * level * 120
@@ -193,7 +199,8 @@ def test_an_odd_number_of_intervals() -> None:
 def test_a_unit_that_moves_is_told() -> None:
     _, inc = rest()
     wild = np.random.default_rng(1).normal(size=(COUNT, 3)) * 0.02
-    found: FineAlignment = align_finely(disturbed(inc, 0.0, wild), INTERVAL, LAT, H)
+    moved = disturbed(inc, 0.0, wild)
+    found: FineAlignment = align_finely(moved, INTERVAL, LAT, H, NAVIGATION_GRADE)
     assert any(warning.startswith("velocity strays") for warning in found.warnings)
 
 

@@ -37,6 +37,7 @@ def resample(
     return Gridded(
         np.concatenate([part.values for part in kept]),
         np.concatenate([part.faults for part in kept]),
+        np.concatenate([part.times for part in kept]),
     )
 
 

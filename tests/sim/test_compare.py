@@ -108,3 +108,34 @@ def test_a_difference_in_the_last_vector(tmp_path):
         row = ",".join(["0"] * 28 + [value])
         paths[-1].write_text(",".join(HIGH_RESOLUTION_COLUMNS) + f"\n{row}\n")
     assert compare(*paths) == Difference(0, 0, "scrolling_z", 4, 5)
+
+
+def with_times(path, times):
+    """The file with a last column."""
+    head, *lines = path.read_text().splitlines()
+    stamped = [f"{line},{time}" for line, time in zip(lines, times, strict=True)]
+    path.write_text("\n".join([f"{head},time_s", *stamped]) + "\n")
+
+
+def test_times_are_compared_where_both_have_them(pair):
+    a, b = pair(rows(3), rows(3))
+    with_times(a, ["0.5", "1.0", "1.5"])
+    assert compare(a, b) is compare(b, a) is None
+    with_times(b, ["0.5", "1.0", "1.50"])  # the same number
+    assert compare(a, b) is None
+    a, b = pair(rows(3), rows(3))
+    with_times(a, ["0.5", "1.0", "1.5"])
+    with_times(b, ["0.5", "1.0000000000000002", "1.5"])
+    assert compare(a, b) == Difference(1, 1, "time_s", 1.0, 1.0000000000000002)
+
+
+def test_an_integer_goes_before_a_time(pair):
+    changed = rows(3)
+    changed[1][19] += 1
+    a, b = pair(rows(3), changed)
+    with_times(a, ["0.5", "1.0", "1.5"])
+    with_times(b, ["0.5", "7.0", "1.5"])
+    assert compare(a, b).column == COLUMNS[19]
+    b.write_text(b.read_text().replace("0.5", "0,5"))
+    with pytest.raises(InputError, match="line 2: 22 cells, must be 21"):
+        compare(a, b)

@@ -93,9 +93,3 @@ def test_verilator_does_it_where_icarus_is_missing(verilator, monkeypatch):
     monkeypatch.setattr(netlist.Tools, "find", lambda: verilator)
     design, generated, synthesis = made("pipelined_ecp5")
     assert check_netlist(design, generated, synthesis.netlist, "ecp5") is None
-
-
-def test_a_family_without_models_is_refused():
-    design, generated, synthesis = made("pipelined_ecp5")
-    with pytest.raises(InputError, match="xilinx: no models of its cells"):
-        check_netlist(design, generated, synthesis.netlist, "xilinx")

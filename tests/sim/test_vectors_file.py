@@ -189,3 +189,51 @@ def test_a_block_of_other_columns_is_not_written(tmp_path):
     with pytest.raises(ValueError, match="29 columns for 20"), VectorsWriter(tmp_path / "v") as out:
         out.write(block)
     assert not [*tmp_path.iterdir()]
+
+
+def stamped(count, first=0.0):
+    """Rows of zeros that end at instants a third of a second apart."""
+    times = first + np.arange(count) / 3
+    return VectorBlock(np.arange(count), np.zeros(count, int), np.zeros((count, 18), int), times)
+
+
+def test_times_are_the_last_column_and_come_back_exactly(tmp_path):
+    path = tmp_path / "v.csv"
+    blocks = [stamped(2, 1e9), stamped(0), stamped(3, 1e-7)]
+    with VectorsWriter(path, times=True) as writer:
+        for each in blocks:
+            writer.write(each)
+    text = path.read_text().splitlines()
+    assert text[0] == HEADER + ",time_s"
+    assert text[2].endswith(",0,1000000000.3333334")
+    (back,) = read_vectors(path)
+    assert back.times.tobytes() == VectorBlock.concatenate(blocks).times.tobytes()
+    assert [*back.rows()] == [*VectorBlock.concatenate(blocks).rows()]
+
+
+def test_times_go_with_the_file_not_with_the_block(tmp_path):
+    for times, bad in ((True, block([[0] * 18])), (False, stamped(1))):
+        with (
+            pytest.raises(ValueError, match="exactly where the file has them"),
+            VectorsWriter(tmp_path / "v.csv", times=times) as writer,
+        ):
+            writer.write(bad)
+    with pytest.raises(ValueError, match="with and without times"):
+        VectorBlock.concatenate([stamped(1), block([[0] * 18])])
+
+
+@pytest.mark.parametrize(
+    ("cell", "message"),
+    [
+        ("x", "time_s is 'x', must be decimal seconds"),
+        ("nan", "time_s is 'nan', must be"),
+        ("1e999", "time_s is '1e999', must be"),
+        ("", "time_s is '', must be"),
+        ("1,2", "22 cells, must be 21"),
+    ],
+)
+def test_a_bad_time_is_refused(tmp_path, cell, message):
+    path = tmp_path / "v.csv"
+    path.write_text(f"{HEADER},time_s\n{row()},0.5\n{row(1)},{cell}\n")
+    with pytest.raises(InputError, match=f"line 3: {message}"):
+        list(read_vectors(path))

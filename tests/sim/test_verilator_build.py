@@ -1,5 +1,6 @@
 import os
 import shutil
+import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from importlib import metadata
@@ -173,6 +174,71 @@ def test_a_compiler_that_fails_leaves_its_log(own_cache, tmp_path, monkeypatch):
     assert "no room" in log.read_text()
     assert not list(own_cache.glob("*.so"))
     assert not list(own_cache.glob("build-*"))
+
+
+def test_a_compiler_that_lies_is_told(own_cache, tmp_path, monkeypatch):
+    """It ends well and writes nothing."""
+    liar = program(tmp_path / "lying-g++", "echo 1")
+    monkeypatch.setenv("CXX", str(liar))
+    with pytest.raises(InputError, match=r"smallest: lying-g\+\+ made no core\.o .* see"):
+        build(DESIGN)
+    assert not list(own_cache.glob("*.so"))
+    assert not list(own_cache.glob("build-*"))
+
+
+def test_a_compiler_that_is_killed_is_told(own_cache, tmp_path, monkeypatch):
+    monkeypatch.setenv("CXX", str(program(tmp_path / "cxx", "[ $1 = --version ] || kill -9 $$")))
+    with pytest.raises(InputError, match=r"smallest: cxx failed \(killed by SIGKILL\) while"):
+        build(DESIGN)
+
+
+def test_a_compiler_on_a_full_disk_is_told_as_such(own_cache, tmp_path, monkeypatch):
+    text = 'case "$1" in --version) echo 1;; *) echo "x: No space left on device"; exit 1;; esac'
+    monkeypatch.setenv("CXX", str(program(tmp_path / "cxx", text)))
+    with pytest.raises(
+        InputError, match=rf"cxx found the disk of {own_cache} full .* SCULLER_CACHE"
+    ):
+        build(DESIGN)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [("g++ '-O1", "CXX: .* is no command"), ('g++ "', "no command"), ("/tmp", "not found")],
+)
+def test_a_compiler_that_is_none(verilator, monkeypatch, words, message):
+    monkeypatch.setenv("CXX", words)
+    with pytest.raises(InputError, match=message) as caught:
+        Tools.find()
+    assert "\n" not in str(caught.value)
+
+
+def test_a_compiler_that_cannot_be_run(verilator, tmp_path, monkeypatch):
+    path = tmp_path / "cxx"
+    path.write_bytes(b"\x7fELF, not quite")
+    path.chmod(0o755)
+    monkeypatch.setenv("CXX", str(path))
+    with pytest.raises(InputError, match=rf"{path}: cannot be run \("):
+        Tools.find()
+
+
+def test_a_library_without_our_functions_is_named(own_cache, tmp_path):
+    library = build(DESIGN)
+    other = tmp_path / "other.c"
+    other.write_text("int nothing;")
+    subprocess.run([*Tools.find().compiler, "-shared", "-o", library, other], check=True)
+    with pytest.raises(InputError, match=rf"cannot load the simulator .*, delete {library}"):
+        check_simulation()
+
+
+def test_damaged_entries_are_made_again(own_cache):
+    design = make_design("damaged", 1, 1, 2, (8, 8))
+    files = verilator_build.emitted(design)
+    (kept,) = own_cache.glob("damaged-*.json")
+    whole = kept.read_bytes()
+    for damage in (whole[:100], b"", b"[1]", b"\xff\xfe"):
+        kept.write_bytes(damage)
+        assert verilator_build.emitted(design) == files
+        assert kept.read_bytes() == whole
 
 
 def test_verilog_that_is_wrong_leaves_its_log(own_cache, use_verilog):

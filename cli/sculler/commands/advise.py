@@ -87,7 +87,7 @@ SHOWN = 10
 @click.option(
     "-o",
     "--output",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.OutputFile(),
     metavar="FILE",
     help="Write the cheapest as a design file.",
 )
@@ -160,7 +160,7 @@ def command(
         if good
         else f"[red]none of {len(found)} designs meets it[/]"
     )
-    wrote = [f"wrote {output}"] if output is not None and good else []
+    wrote = [f"wrote {terminal.verbatim(output)}"] if output is not None and good else []
     terminal.report(data, as_json, verdict, *tables, *wrote)
     return 0 if good else NONE_MEETS
 

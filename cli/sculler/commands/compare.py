@@ -27,19 +27,20 @@ def command(first: Path, second: Path, as_json: bool) -> int:
     data = {"first": str(first), "second": str(second), "identical": difference is None}
     if difference is None:
         rows = _rows(first)
-        terminal.report(
-            data | {"rows": rows}, as_json, f"identical: {terminal.plural(rows, 'row')}"
-        )
+        told = "" if rows is None else f": {terminal.plural(rows, 'row')}"
+        terminal.report(data | {"rows": rows}, as_json, f"identical{told}")
         return 0
     terminal.report(
         data | {"difference": asdict(difference)},
         as_json,
-        f"different: {difference.describe(first, second)}",
+        f"different: {terminal.verbatim(difference.describe(first, second))}",
     )
     return _FAILED
 
 
-def _rows(path: Path) -> int:
-    """Rows of a vectors file below its header."""
+def _rows(path: Path) -> int | None:
+    """Rows of a vectors file below its header; None of a pipe, which can be read but once."""
+    if not path.is_file():
+        return None
     with path.open("rb") as file:
         return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b"")) - 1

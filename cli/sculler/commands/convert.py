@@ -9,27 +9,26 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sculler import terminal
+from sculler import formats, terminal
 
 if TYPE_CHECKING:
     from sculler.conversion import Biases, Conversion
     from sculler.mounting import Mounting
     from sculler.readers import Advance, Recording, Samples, Unit
-    from sculler.readers.timing import Gaps, Steps, Timing
+    from sculler.readers.running_sums import Differences
+    from sculler.readers.timing import Gaps, Steps
     from sculler_model.design import Design
     from sculler_model.navigation.rotation import Vector
     from sculler_model.sampling import Kind, Resampler
 
-_FORMATS = ("csv", "euroc", "ros", "kfgins", "kfgins-binary", "mat", "npz", "parquet", "psins")
 _GYRO_UNITS = ("rad", "deg", "arcsec", "rad/s", "deg/s", "deg/h", "counts")
 _ACCEL_UNITS = ("m/s", "ft/s", "m/s2", "g", "mg", "counts")
 _TIME_UNITS = ("s", "ms", "us", "ns")
 _MAX_GAP = 1.0
-_GAPS_SHOWN = 20
 
 
 @click.command(
-    short_help="Make an integer IMU log of CSV, EuRoC, ROS, KF-GINS, MAT, npz, Parquet ...",
+    short_help="Make an integer IMU log of CSV, ROS, MAT, raw datagrams ...",
     epilog=terminal.examples(
         "sculler convert flight.csv -o log.csv --design stim300 --time-column t \\\n"
         "    --gyro-columns wx,wy,wz --gyro-unit deg/s \\\n"
@@ -41,30 +40,43 @@ _GAPS_SHOWN = 20
         "    --gyro-bias eb0 --accel-bias db0 --misalignment mu0",
     ),
 )
-@click.argument("log", type=click.Path(path_type=Path))
+@click.argument("log", type=terminal.InputFile(Path))
 @terminal.output_option
 @click.option("--design", "design_name", metavar="DESIGN", required=True, help="Gives the scales.")
 @click.option(
     "--format",
     "log_format",
-    type=click.Choice(["auto", *_FORMATS]),
+    type=click.Choice(["auto", *formats.MODULES]),
     default="auto",
     help="Format of LOG; auto looks at what is in it.",
 )
 @click.option(
     "--gyro-columns",
     metavar="A,B,C",
-    help="Names or numbers (from 1) of the columns x, y, z; those of the format, gyro_x,gyro_y,"
-    "gyro_z or 1,2,3 (MAT) if left out.",
+    help="Names or numbers (from 1) of the columns x, y, z, -B for the negative of B, or the name"
+    " of one array of three (MAT, npz; imu.gyro in a structure); those of the format if left out,"
+    " or gyro_x,gyro_y,gyro_z.",
 )
 @click.option("--accel-columns", metavar="A,B,C", help="The same of the accelerometer.")
-@click.option("--time-column", metavar="A", help="A time column; that of the format if left out.")
+@click.option(
+    "--time-column", metavar="A", help="A time column, or none; that of the format if left out."
+)
 @click.option(
     "--gyro-unit",
     type=click.Choice(_GYRO_UNITS),
-    help="Required for CSV, MAT, npz and Parquet, unless the file says it.",
+    help="Required for CSV, MAT, npz and Parquet, unless the file says it; of raw datagrams those"
+    " of the sensor, or counts for the design's own.",
 )
 @click.option("--accel-unit", type=click.Choice(_ACCEL_UNITS), help="The same.")
+@click.option(
+    "--gyro-scale",
+    type=terminal.number_type(0, above=True),
+    metavar="X",
+    help="How many of its unit the number 1 is, of columns or datagrams that count.",
+)
+@click.option(
+    "--accel-scale", type=terminal.number_type(0, above=True), metavar="X", help="The same."
+)
 @click.option("--time-unit", type=click.Choice(_TIME_UNITS), help="s if left out and not known.")
 @click.option(
     "--delimiter",
@@ -72,7 +84,25 @@ _GAPS_SHOWN = 20
     help="comma, semicolon, tab, space or one character; found out if left out.",
 )
 @click.option("--skip-rows", type=click.IntRange(min=0), help="Lines of CSV before its header.")
-@click.option("--variable", metavar="NAME", help="The matrix of a MAT file.")
+@click.option("--variable", metavar="NAME", help="A matrix of a MAT, HDF5 or npz file.")
+@click.option("--topic", metavar="NAME", help="The topic of a ROS bag, where it has several.")
+@click.option(
+    "--cumulative",
+    is_flag=True,
+    help="The numbers are running sums, as counters send them: take their differences.",
+)
+@click.option(
+    "--cumulative-of",
+    type=click.Choice(["both", "gyro", "accel"]),
+    default="both",
+    show_default=True,
+    help="Which of the sensors sends running sums.",
+)
+@click.option(
+    "--cumulative-bits",
+    type=click.IntRange(min=8, max=48),
+    help="Width at which the sums wrap; found out if left out.",
+)
 @click.option(
     "--rates",
     type=click.Choice(["instant", "mean"]),
@@ -150,13 +180,18 @@ def command(
     max_gap: float | None,
     start: float | None,
     stop: float | None,
+    cumulative: bool,
+    cumulative_of: str,
+    cumulative_bits: int | None,
     **options: Any,
 ) -> None:
     """Make an integer IMU log of LOG.
 
-    LOG is CSV with units, EuRoC's or ROS's CSV, increments of KF-GINS (text or binary), MAT, .npz,
-    Parquet, or laser-gyro text (.imu).  Numbers are brought to the design's counts with the
-    remainder carried to the next sample, as a pulse-counting sensor does, so no angle is lost.
+    LOG is CSV with units, EuRoC's or ROS's CSV, increments of KF-GINS (text or binary), MAT, HDF5,
+    .npz, Parquet, a ROS bag or MCAP, laser-gyro text (.imu), or raw datagrams of a STIM300,
+    NovAtel, VectorNav, Xsens, ADIS or HG4930 (docs/formats.md).  Numbers are brought to the
+    design's counts with the remainder carried to the next sample, as a pulse-counting sensor does,
+    so no angle is lost.
     Rates become increments where the sensor counts increments, and the reverse.  Numbers that
     already are the design's counts pass unchanged.  Time stamps are checked against the sample
     rate; gaps and unequal steps are told.
@@ -166,13 +201,18 @@ def command(
     """
     from sculler.conversion import Conversion
     from sculler.logs import LogWriter
+    from sculler.origin import write_origin
+    from sculler.readers import timing_told
+    from sculler.readers.preparation import Watch, differenced, signed, unstamped
     from sculler.readers.timing import Timing, resampled
+    from sculler_model import inputs
     from sculler_model.errors import InputError
     from sculler_sim.files import replacing
 
     design = terminal.load_design(design_name)
     if max_gap is not None and gaps != "bridge":
         raise click.UsageError("--max-gap goes with --gaps bridge, give both or leave it out")
+    inputs.require_file(log, "log")
     log_format = _format(log, log_format, options)
     mounting = _mounting(log, log_format, axes, misalignment)
     biases = _biases(log, log_format, gyro_bias, accel_bias)
@@ -180,13 +220,25 @@ def command(
         terminal.progress("converting", terminal.file_size(log)) as advance,
         replacing(output) as temporary,
     ):
+        without_stamps = options["time_column"] == "none"
+        if without_stamps:
+            options["time_column"] = None
         recording = _open(log, log_format, design, advance, options)
+        recording = signed(recording, _signs(options))
+        differences = _differences(log, recording, cumulative, cumulative_of, cumulative_bits)
+        if differences is not None:
+            recording = differenced(recording, differences)
+        if without_stamps:
+            recording = unstamped(recording)
         given = _kind(design, recording, rates, steps)
-        chunks: Iterator[Samples] = recording.chunks
+        watch = Watch(design, recording, differences is not None)
+        chunks: Iterator[Samples] = watch(recording.chunks)
         timing = None
         if recording.clock is not None:
-            timing = Timing(log, design, recording, given, gaps, max_gap or _MAX_GAP, start, stop)
-            chunks = (chunk for chunk in map(timing, chunks) if len(chunk.values))
+            timing = Timing(
+                log, design, recording, given, gaps, max_gap or _MAX_GAP, steps, start, stop
+            )
+            chunks = timing(chunks)
         elif gaps == "bridge" or steps == "resample" or start is not None or stop is not None:
             raise click.UsageError(
                 "--gaps bridge, --steps resample, --start and --stop need time stamps, give"
@@ -201,9 +253,17 @@ def command(
         reworked = gaps == "bridge" or resampler is not None
         conversion = Conversion(log, design, gyro, accel, mounting, biases, reworked)
         faults = recording.has_faults or gaps == "bridge"
-        with LogWriter(temporary, faults=faults) as writer:
+        clock, to_instant = recording.clock, _to_instant(design, given, rates, resampler)
+        with LogWriter(temporary, faults=faults, times=clock is not None) as writer:
             for chunk in chunks:
-                writer.write(conversion(chunk.values), chunk.faults)
+                times = None
+                if clock is not None and chunk.times is not None:
+                    times = chunk.times + (clock.origin + to_instant)
+                try:
+                    counts = conversion(chunk.values)
+                except InputError as error:
+                    raise InputError("; ".join([str(error), *watch.sums()])) from error
+                writer.write(counts, chunk.faults, times)
         if not conversion.samples:
             raise InputError(
                 f"{log}: too few samples to make an increment of (or none from --start to --stop),"
@@ -215,14 +275,21 @@ def command(
         "mounting": mounting.rows(),
         "biases": asdict(biases),
         "misalignment": mounting.misalignment,
-        "timing": None if timing is None else _timing(timing, design, gaps, steps),
-        "warnings": _warnings(conversion, timing, design, steps),
+        "timing": None,
+        "datagrams": None if recording.datagrams is None else asdict(recording.datagrams),
+        "warnings": [*recording.warnings, *conversion.hints(), *watch.warnings()],
     }
+    if timing is not None:
+        data["timing"] = timing_told.as_json(timing, design, gaps, steps)
+        data["warnings"] += timing_told.warnings(timing, design, gaps, steps)
+    if differences is not None:
+        data["notes"]["running sums"] = differences.told()
     if resampler is not None and timing is not None:
         data["timing"]["left_out_s"] = resampler.left_out
+    write_origin(output, {"source": log, "design": design_name}, data)
     terminal.report(
-        data, as_json, terminal.facts(_facts(data)), *_mounting_table(data), *_gaps_table(data),
-        _ranges(data)
+        data, as_json, terminal.facts(_facts(data)), *_mounting_table(data),
+        *timing_told.gaps_table(data["timing"]), _ranges(data)
     )  # fmt: skip
 
 
@@ -233,145 +300,83 @@ def _format(log: Path, log_format: str, options: dict[str, Any]) -> str:
     from sculler.readers.detect import detect
 
     columns_given = options["gyro_columns"] is not None or options["accel_columns"] is not None
-    delimiter = _delimiter(options)
-    return detect(log, delimiter, options["skip_rows"] or 0, columns_given)
-
-
-_UNITS = {"gyro_unit", "accel_unit"}
-_COLUMNS = {"gyro_columns", "accel_columns", "time_column", "time_unit"} | _UNITS
-_USED_BY = {
-    "csv": _COLUMNS | {"delimiter", "skip_rows"},
-    "euroc": _UNITS | {"time_column", "time_unit", "delimiter", "skip_rows"},
-    "ros": _UNITS | {"time_column", "time_unit", "delimiter", "skip_rows"},
-    "kfgins": _UNITS,
-    "kfgins-binary": _UNITS,
-    "mat": _COLUMNS | {"variable"},
-    "npz": _UNITS | {"time_unit"},
-    "parquet": _COLUMNS,
-    "psins": set(),
-}
-_USUAL_UNITS = {
-    "euroc": ("rad/s", "m/s2"),
-    "ros": ("rad/s", "m/s2"),
-    "kfgins": ("rad", "m/s"),
-    "kfgins-binary": ("rad", "m/s"),
-}
+    return detect(log, options["delimiter"], options["skip_rows"] or 0, columns_given)
 
 
 def _open(
     log: Path, log_format: str, design: Design, advance: Advance, options: dict[str, Any]
 ) -> Recording:
     """The recording, by the reader of its format."""
+    from sculler.readers import ACCEL_UNITS, GYRO_UNITS
+    from sculler.readers.format import Request
+
+    reader = formats.find(log_format)
     for name, value in options.items():
-        if value is not None and name not in _USED_BY[log_format]:
+        if value is not None and name not in reader.options:
             raise click.UsageError(
                 f"--{name.replace('_', '-')} is not used for format {log_format}, leave it out"
             )
-    if log_format == "psins":
-        from sculler.readers.psins import read_psins
-
-        return read_psins(log, design, advance)
-    time, time_unit = options["time_column"], options["time_unit"]
-    if log_format in ("npz", "parquet"):
-        from sculler.readers.arrays import read_npz, read_parquet
-
-        gyro_or_none, accel_or_none = _optional_units(options)
-        if log_format == "npz":
-            return read_npz(log, gyro_or_none, accel_or_none, time_unit, advance)
-        columns = _columns(options, None)
-        return read_parquet(log, columns, time, time_unit, gyro_or_none, accel_or_none, advance)
-
-    gyro, accel = _units(options, log_format)
-    if log_format in ("kfgins", "kfgins-binary"):
-        from sculler.readers.kfgins import read_kfgins, read_kfgins_binary
-
-        read = read_kfgins if log_format == "kfgins" else read_kfgins_binary
-        return read(log, gyro, accel, advance)
-    if log_format == "mat":
-        from sculler.readers.mat import read_mat
-
-        numbers = [_number(column) for column in _columns(options, "1,2,3 4,5,6") or ()]
-        time_number = None if time is None else _number(time)
-        return read_mat(
-            log, options["variable"], numbers, time_number, gyro, accel, time_unit or "s", advance
-        )
-
-    from sculler.readers.delimited import Layout, read_delimited
-
-    layout = Layout(
-        _columns(options, None),
-        time,
-        time_unit,
-        _delimiter(options),
-        options["skip_rows"] or 0,
-        None if log_format == "csv" else log_format,
+    request = Request(
+        design,
+        advance,
+        gyro_columns=_columns(options, "gyro"),
+        accel_columns=_columns(options, "accel"),
+        time=options["time_column"],
+        time_unit=options["time_unit"],
+        gyro=None if options["gyro_unit"] is None else GYRO_UNITS[options["gyro_unit"]],
+        accel=None if options["accel_unit"] is None else ACCEL_UNITS[options["accel_unit"]],
+        gyro_scale=options["gyro_scale"],
+        accel_scale=options["accel_scale"],
+        delimiter=options["delimiter"],
+        skip_rows=options["skip_rows"] or 0,
+        variable=options["variable"],
+        topic=options["topic"],
     )
-    return read_delimited(log, layout, gyro, accel, advance)
+    return reader.open(log, request)
 
 
-def _delimiter(options: dict[str, Any]) -> str | None:
-    from sculler.readers.delimited import DELIMITERS
-
-    delimiter: str | None = options["delimiter"]
-    if delimiter is not None and delimiter not in DELIMITERS and len(delimiter) != 1:
-        raise click.UsageError(
-            f"--delimiter: {delimiter!r} is not known, give {', '.join(DELIMITERS)} or one"
-            " character"
-        )
-    return delimiter
-
-
-def _units(options: dict[str, Any], log_format: str) -> tuple[Unit, Unit]:
-    """The units asked for, or those that the format always has."""
-    gyro, accel = _optional_units(options)
-    usual_gyro, usual_accel = _USUAL_UNITS.get(log_format, (None, None))
-    from sculler.readers import ACCEL_UNITS, GYRO_UNITS
-
-    if gyro is None and usual_gyro is not None:
-        gyro = GYRO_UNITS[usual_gyro]
-    if accel is None and usual_accel is not None:
-        accel = ACCEL_UNITS[usual_accel]
-    for unit, name, known in ((gyro, "gyro", _GYRO_UNITS), (accel, "accel", _ACCEL_UNITS)):
-        if unit is None:
-            raise click.UsageError(f"--{name}-unit is missing, give one of {', '.join(known)}")
-    assert gyro is not None
-    assert accel is not None
-    return gyro, accel
-
-
-def _optional_units(options: dict[str, Any]) -> tuple[Unit | None, Unit | None]:
-    from sculler.readers import ACCEL_UNITS, GYRO_UNITS
-
-    gyro, accel = options["gyro_unit"], options["accel_unit"]
-    return (
-        None if gyro is None else GYRO_UNITS[gyro],
-        None if accel is None else ACCEL_UNITS[accel],
-    )
-
-
-def _columns(options: dict[str, Any], defaults: str | None) -> list[str] | None:
-    """The six columns; None if none are given and there are no defaults."""
-    given = [options["gyro_columns"], options["accel_columns"]]
-    if given == [None, None] and defaults is None:
+def _columns(options: dict[str, Any], sensor: str) -> list[str] | None:
+    """The columns of a sensor as they are given."""
+    text = options[f"{sensor}_columns"]
+    if text is None:
         return None
-    gyro, accel = (defaults or "gyro_x,gyro_y,gyro_z accel_x,accel_y,accel_z").split()
-    return _triple(options, "gyro", gyro) + _triple(options, "accel", accel)
-
-
-def _triple(options: dict[str, Any], sensor: str, default: str) -> list[str]:
-    text = options[f"{sensor}_columns"] or default
     columns = [column.strip() for column in text.split(",")]
-    if len(columns) != 3 or not all(columns) or len(set(columns)) != 3:
-        raise click.UsageError(
-            f"--{sensor}-columns: {text!r} is not allowed, give three different columns x,y,z"
-        )
+    if not all(columns):
+        raise click.UsageError(f"--{sensor}-columns: {text!r} is not allowed, give x,y,z")
     return columns
 
 
-def _number(column: str) -> int:
-    if not column.isdecimal():
-        raise click.UsageError(f"column {column!r} is not allowed, MAT columns are numbers from 1")
-    return int(column)
+def _signs(options: dict[str, Any]) -> list[float]:
+    """The signs of the six columns."""
+    from sculler.readers.columns import split_sign
+
+    signs: list[float] = []
+    for sensor in ("gyro", "accel"):
+        each = [split_sign(column)[0] for column in _columns(options, sensor) or ["x"] * 3]
+        signs += each * 3 if len(each) == 1 else each
+    return signs
+
+
+def _differences(
+    log: Path, recording: Recording, cumulative: bool, sensors: str, bits: int | None
+) -> Differences | None:
+    """What makes increments of running sums; None where the numbers are none."""
+    from sculler.readers.running_sums import Differences
+
+    if not cumulative:
+        if bits is not None or sensors != "both":
+            raise click.UsageError(
+                "--cumulative-of and --cumulative-bits go with --cumulative, give it too"
+            )
+        return None
+    columns = {"both": range(6), "gyro": range(3), "accel": range(3, 6)}[sensors]
+    kinds = [recording.gyro.kind] * 3 + [recording.accel.kind] * 3
+    if any(kinds[column] == "rate" for column in columns):
+        raise click.UsageError(
+            "--cumulative takes running sums of increments, give their units (rad, deg, arcsec,"
+            " m/s, ft/s or counts), not those of rates"
+        )
+    return Differences(log, columns, bits)
 
 
 def _vector(
@@ -382,7 +387,7 @@ def _vector(
 
     if text is None:
         return (0.0, 0.0, 0.0)
-    if text.isidentifier() and log_format == "mat":
+    if text.replace(".", "_").isidentifier() and log_format in ("mat", "hdf5"):
         from sculler.readers.mat import mat_vector
 
         return mat_vector(log, text)
@@ -434,6 +439,15 @@ def _resampler(design: Design, given: Kind, rates: str, steps: str) -> Resampler
     if steps == "resample" or (given == "rate" and wanted == "increment"):
         return Resampler(design.sample_interval, given, wanted)
     return None
+
+
+def _to_instant(design: Design, given: Kind, rates: str, resampler: Resampler | None) -> float:
+    """From the stamps to the instants of the design's samples, s.
+
+    A mean over the interval that ends at a stamp is the rate in the interval's middle.
+    """
+    mean = rates == "mean" if given == "rate" else resampler is None
+    return -0.5 * design.sample_interval if mean and design.sensor.kind == "rate" else 0.0
 
 
 def _unit(design: Design, unit: Unit, given: Kind, resampler: Resampler | None) -> Unit:
@@ -493,46 +507,7 @@ def _summary(
     }
 
 
-def _timing(timing: Timing, design: Design, gaps: str, steps: str) -> dict[str, Any]:
-    """What the stamps showed, and what was done."""
-    found = timing.report
-    plain = found.shortest_step <= found.longest_step
-    return {
-        "samples_read": found.samples,
-        "start_s": found.start,
-        "end_s": found.start + found.span,
-        "rate_hz": found.rate,
-        "design_rate_hz": design.sensor.sample_rate_hz,
-        "shortest_step_s": found.shortest_step if plain else None,
-        "longest_step_s": found.longest_step if plain else None,
-        "unequal_steps": found.unequal,
-        "gap_count": found.gap_count,
-        "missing_samples": found.missing,
-        "gaps": [asdict(gap) for gap in found.gaps],
-        "gaps_are": {"bridge": "bridged", "ignore": "ignored", "refuse": "refused"}[gaps],
-        "steps": steps,
-    }
-
-
-def _warnings(
-    conversion: Conversion, timing: Timing | None, design: Design, steps: str
-) -> list[str]:
-    warnings = conversion.hints()
-    if timing is None or timing.report.rate is None or steps == "resample":
-        return warnings
-    off = timing.report.rate / design.sensor.sample_rate_hz - 1
-    strayed = abs(off) * timing.report.samples  # intervals, from the first stamp to the last
-    if abs(off) > 1e-4 and strayed > 1:
-        warnings.append(
-            f"the stamps show {timing.report.rate:.9g} Hz, {off * 1e6:+.0f} ppm from"
-            " sensor.sample_rate_hz: give --steps resample, or the design that rate"
-        )
-    return warnings
-
-
 def _facts(data: dict[str, Any]) -> dict[str, str]:
-    from rich.markup import escape
-
     rows = {
         "read": f"{data['log']} (format {data['format']})",
         "samples": f"{data['samples']:,}, {data['seconds']:,.6g} s",
@@ -540,26 +515,10 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
     rows |= {sensor: facts["made"] for sensor, facts in data["sensors"].items()}
     rows |= data["notes"]
     if data["timing"] is not None:
-        rows["time"] = _time_told(data["timing"])
-    for number, warning in enumerate(data["warnings"], start=1):
-        rows[f"warning {number}"] = warning
-    return {name: escape(told) for name, told in {**rows, "wrote": data["output"]}.items()}
+        from sculler.readers import timing_told
 
-
-def _time_told(timing: dict[str, Any]) -> str:
-    if timing["rate_hz"] is None:
-        return "one sample"
-    told = f"{timing['rate_hz']:.9g} Hz from {timing['start_s']:.6f} s to {timing['end_s']:.6f} s"
-    if timing["longest_step_s"] is not None:
-        told += f", steps {timing['shortest_step_s']:.6g} s to {timing['longest_step_s']:.6g} s"
-    if timing["unequal_steps"]:
-        treated = "resampled" if timing["steps"] == "resample" else "taken as even"
-        told += f" ({timing['unequal_steps']:,} unequal, {treated})"
-    if not timing["gap_count"]:
-        return told + ", no gaps"
-    gaps = terminal.plural(timing["gap_count"], "gap")
-    missing = terminal.plural(timing["missing_samples"], "sample")
-    return told + f"; {gaps}, {missing} missing, {timing['gaps_are']}"
+        rows["time"] = timing_told.words(data["timing"])
+    return rows | terminal.warning_rows(data["warnings"]) | {"wrote": data["output"]}
 
 
 def _mounting_table(data: dict[str, Any]) -> list[Any]:
@@ -573,25 +532,6 @@ def _mounting_table(data: dict[str, Any]) -> list[Any]:
         table.add_column(column)
     for row in data["mounting"]:
         table.add_row(row["log"], row["file"], row["cosines"])
-    return [table]
-
-
-def _gaps_table(data: dict[str, Any]) -> list[Any]:
-    from rich.table import Table
-
-    timing = data["timing"]
-    if timing is None or not timing["gaps"]:
-        return []
-    table = Table(title="gaps", title_justify="left", title_style="bold")
-    for column in ("before sample", "after time (s)", "length (s)", "samples missing"):
-        table.add_column(column, justify="right")
-    for gap in timing["gaps"][:_GAPS_SHOWN]:
-        table.add_row(
-            f"{gap['sample']:,}", f"{gap['time']:.6f}", f"{gap['seconds']:.6g}", str(gap["missing"])
-        )
-    more = timing["gap_count"] - _GAPS_SHOWN
-    if more > 0:
-        table.add_row("...", f"and {more:,} more", "", "")
     return [table]
 
 

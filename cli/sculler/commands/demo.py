@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from rich.table import Table
 
+    from sculler.runs import SimulationEngine
     from sculler_model.design import Design
     from sculler_model.motion import Motion
     from sculler_model.navigation import NavHistory
@@ -62,6 +63,7 @@ def command(folder: Path, seconds: float, plots: bool, as_json: bool) -> int:
 
     from sculler.commands.generate import write_hardware
     from sculler.history import HistoryWriter
+    from sculler.plots import left_out as pictures_left_out
     from sculler.runs import model_log, simulate_log
     from sculler_model.blocks import VectorBlock
     from sculler_model.design import Design
@@ -73,30 +75,34 @@ def command(folder: Path, seconds: float, plots: bool, as_json: bool) -> int:
     from sculler_sim.files import make_folder, replacing
     from sculler_sim.stimulus import Stimulus
     from sculler_sim.vectors_file import read_vectors
-    from sculler_sim.verilator_build import Tools, build
+    from sculler_sim.verilator_build import build
 
-    if plots:
-        from sculler.plots import require_matplotlib
-
-        require_matplotlib()
+    left_out = []
+    if plots and (no_pictures := pictures_left_out()) is not None:
+        left_out, plots = [no_pictures], False
     steps = _Steps(quiet=as_json)
     design, motion = Design.preset("stim300"), demo_motion()
     T = design.major_interval
     samples = round(seconds * design.sensor.sample_rate_hz)
     log, model, rtl = (folder / name for name in ("imu.csv", "model.csv", "rtl.csv"))
-    Tools.find()  # before anything is written
+    engine: SimulationEngine = "verilator"
+    no_verilator = terminal.why_no_verilator()  # asked before anything is written
+    if no_verilator is not None:
+        engine = "amaranth"
+        left_out.append(f"simulated by Amaranth: {no_verilator}")
     make_folder(folder)
 
-    with steps("simulator, compiled or from the cache"):
-        build(design)
+    if engine == "verilator":
+        with steps("simulator, compiled or from the cache"):
+            build(design)
     with steps("motion and its IMU log"):
         _write_log(log, design, motion, samples)
     with steps("Verilog, manifest and test bench"):
         write_hardware(design, folder / design.name)
     with steps("golden model"):
         model_log(design, log, model, "fast", terminal.silent)
-    with steps("RTL in Verilator"):
-        simulate_log(design, log, rtl, "verilator", Stimulus.always(), None, terminal.silent)
+    with steps(f"RTL in {engine.capitalize()}"):
+        simulate_log(design, log, rtl, engine, Stimulus.always(), None, terminal.silent)
     with steps("comparison"):
         difference = compare(rtl, model)
     with steps("navigation"):
@@ -133,12 +139,17 @@ def command(folder: Path, seconds: float, plots: bool, as_json: bool) -> int:
             name: dict(zip(QUANTITIES, (float(series[-1]) for series in three), strict=True))
             for name, three in errors.items()
         },
+        "engine": engine,
+        "warnings": left_out,
         "steps_s": steps.seconds,
         "pictures": [str(picture) for picture in pictures],
         "folder": str(folder),
     }
     _write_notes(folder, data, design)
-    terminal.report(data, as_json, "", _verdict(data), "", _table(data), "", _where(data))
+    warnings = [f"warning: {terminal.verbatim(warning)}" for warning in left_out]
+    terminal.report(
+        data, as_json, "", _verdict(data), "", _table(data), "", *warnings, _where(data)
+    )
     return 0 if data["identical"] and data["navigation_identical"] else _FAILED
 
 
@@ -236,6 +247,10 @@ def _verdict(data: dict[str, Any]) -> str:
     return "[red]DIFFERENT[/]: the RTL and the golden model, see sculler compare"
 
 
+_SIMULATED = {
+    "verilator": "what the Verilog gave in Verilator",
+    "amaranth": "what the core gave in Amaranth's simulator",
+}
 _LABELS = ("attitude", "velocity", "position")
 _UNITS = ("arcsec", "m/s", "m")
 
@@ -259,7 +274,8 @@ def _table(data: dict[str, Any]) -> Table:
 
 
 def _where(data: dict[str, Any]) -> str:
-    return f"files and pictures: {data['folder']} (README.md says what is what)"
+    made = "files and pictures" if data["pictures"] else "files"
+    return f"{made}: {terminal.verbatim(data['folder'])} (README.md says what is what)"
 
 
 def _write_notes(folder: Path, data: dict[str, Any], design: Design) -> None:
@@ -279,7 +295,7 @@ def _write_notes(folder: Path, data: dict[str, Any], design: Design) -> None:
         "|---|---|",
         f"| `imu.csv` | the integer IMU log, {data['samples']:,} samples |",
         f"| `{design.name}/` | the generated Verilog, its manifest and its own test bench |",
-        "| `rtl.csv` | what the Verilog gave in Verilator |",
+        f"| `rtl.csv` | {_SIMULATED[data['engine']]} |",
         "| `model.csv` | what the golden model gave: "
         + ("the same integers |" if data["identical"] else "NOT the same |"),
         "| `nav_truth.csv`, `nav_corrected.csv`, `nav_uncorrected.csv` | attitude, velocity and"

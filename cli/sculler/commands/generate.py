@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -80,30 +78,20 @@ def write_hardware(design: Design, folder: Path) -> list[Path]:
     """
     from sculler_hdl.core import timing
     from sculler_hdl.verilog import generate
-    from sculler_model.errors import InputError
-    from sculler_sim.files import make_folder
+    from sculler_sim.files import gathering
     from sculler_sim.testbench import write_testbench
 
     generated = generate(design)
-    make_folder(folder)
-    try:
-        gathered = Path(tempfile.mkdtemp(prefix=".sculler-", dir=folder))
-    except OSError as error:
-        raise InputError(
-            f"{folder}: cannot write to the folder ({error.strerror}), give another"
-        ) from error
-    try:
-        texts = {
-            f"{design.name}.v": generated.verilog,
-            f"{design.name}.json": json.dumps(generated.manifest, indent=2) + "\n",
-            **{f"{cell}.v": text for cell, text in generated.cells.items()},
-        }
-        if generated.listing is not None:
-            texts[f"{design.name}_schedule.txt"] = generated.listing
+    texts = {
+        f"{design.name}.v": generated.verilog,
+        f"{design.name}.json": json.dumps(generated.manifest, indent=2) + "\n",
+        **{f"{cell}.v": text for cell, text in generated.cells.items()},
+    }
+    if generated.listing is not None:
+        texts[f"{design.name}_schedule.txt"] = generated.listing
+    with gathering(folder) as gathered:
         for name, text in texts.items():
             (gathered / name).write_text(text, encoding="utf-8", newline="\n")
         bench = write_testbench(design, gathered, timing(design), generated.cells)
         names = [*texts, *(file.name for file in bench)]
-        return [(gathered / name).replace(folder / name) for name in names]
-    finally:
-        shutil.rmtree(gathered)
+    return [folder / name for name in names]

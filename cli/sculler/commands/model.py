@@ -10,6 +10,7 @@ import click
 from sculler import terminal
 
 if TYPE_CHECKING:
+    from sculler.breaks import Policy
     from sculler.runs import ModelEngine
 
 
@@ -27,16 +28,23 @@ if TYPE_CHECKING:
     show_default=True,
     help="The vectorised twin, or the plain reference it is tested against.",
 )
+@terminal.breaks_option
 @terminal.json_option
-def command(design_name: str, log: str, output: Path, engine: ModelEngine, as_json: bool) -> None:
+def command(
+    design_name: str, log: str, output: Path, engine: ModelEngine, breaks: Policy, as_json: bool
+) -> None:
     """Run the IMU log LOG (CSV of counts, - for stdin) through the golden model.
 
-    Writes the vectors: one row of exact integers for each complete major interval.
+    Writes the vectors: one row of exact integers for each complete major interval.  A log with a
+    column time_s (stamps, s) or sequence (a sample counter) is checked for missing samples.
     """
+    from sculler.origin import write_origin
     from sculler.runs import model_log
 
     design = terminal.load_design(design_name)
     with terminal.progress("modelling", terminal.file_size(log)) as advance:
-        summary = model_log(design, log, output, engine, advance)
+        summary = model_log(design, log, output, engine, advance, breaks)
     data = {"engine": engine, "log": log, "output": str(output), **summary.as_json()}
-    terminal.report(data, as_json, terminal.facts(summary.facts() | {"wrote": str(output)}))
+    write_origin(output, {"log": log, "design": design_name}, data)
+    rows = summary.facts() | terminal.warning_rows(summary.warnings)
+    terminal.report(data, as_json, terminal.facts(rows | {"wrote": str(output)}))

@@ -103,12 +103,14 @@ _HELP = (
 
 All of it happens on the turning WGS-84 Earth and is known in closed form; the samples are exact
 integrals, counted as a pulse-counting sensor does, remainder carried.  A rate sensor gets rates
-averaged over the sample interval.
+averaged over the sample interval about their instant.
 
-The truth has a row at time 0 and at every major interval's end (or --truth-every), with the columns
-of `sculler navigate`'s output: time_s; the quaternion q_w, q_x, q_y, q_z from body (forward, right,
-down) to north-east-down; roll_deg, pitch_deg, heading_deg; v_north, v_east, v_down (m/s); lat_deg,
-lon_deg (geodetic), height_m (over the ellipsoid).
+Time 0 is the beginning of the first increment, or the instant of the first rate.  The truth has
+rows at the ends of the major intervals from the first one at or after time 0 on (or, from there,
+every --truth-every seconds), with the columns of `sculler navigate`'s output: time_s; the
+quaternion q_w, q_x, q_y, q_z from body (forward, right, down) to north-east-down; roll_deg,
+pitch_deg, heading_deg; v_north, v_east, v_down (m/s); lat_deg, lon_deg (geodetic), height_m (over
+the ellipsoid).
 """
 )
 
@@ -129,7 +131,7 @@ lon_deg (geodetic), height_m (over the ellipsoid).
 @terminal.output_option
 @click.option(
     "--truth",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.OutputFile(),
     required=True,
     metavar="FILE",
     help="Where to write the truth.",
@@ -199,6 +201,7 @@ def command(
     **given: float | None,
 ) -> None:
     """Write the IMU log of a known motion, and its truth."""
+    from sculler.origin import write_origin
     from sculler_model.errors import InputError
     from sculler_model.motion import MOTIONS
 
@@ -211,8 +214,6 @@ def command(
     samples = round(seconds * design.sensor.sample_rate_hz)
     if samples < 1:
         raise InputError(f"--duration: {seconds:g} s are shorter than a sample, give more")
-    if output.resolve() == truth.resolve():
-        raise InputError(f"{output}: log and truth cannot be one file, give two names")
     every = design.major_interval if truth_every is None else truth_every
 
     full_scale, truth_rows = _write(design, motion, samples, output, truth, every)
@@ -236,6 +237,7 @@ def command(
             "lines": shaking.lines,
             "seed": seed,
         }
+    write_origin(output, {"design": design_name}, data)
     terminal.report(data, as_json, terminal.facts(_facts(data)))
 
 
@@ -289,25 +291,29 @@ def _write(
 
     from sculler.history import HistoryWriter
     from sculler.logs import LogWriter
+    from sculler_model.instants import end_after_stamp, interval_end, stamp
     from sculler_model.motion.sampling import CHUNK
     from sculler_model.quantise import Quantiser
     from sculler_sim.files import replacing
 
     quantise = Quantiser(design)
-    rows = floor(samples * design.sample_interval / every + 1e-9) + 1
+    begin = interval_end(design, -1)
+    if begin < 0:  # a rate's first interval reaches before time 0
+        begin = interval_end(design, 0)
+    end = stamp(design, samples - 1) + end_after_stamp(design)
+    rows = max(floor((end - begin) / every + 1e-9) + 1, 1)
     with (
         terminal.progress(f"writing {motion.name}", samples + rows) as advance,
-        replacing(truth) as temporary_truth,
         replacing(output) as temporary,
     ):
         with LogWriter(temporary) as log:
             for chunk in motion.chunks(design.sensor.kind, samples, design.sample_interval):
                 log.write(quantise(chunk))
                 advance(len(chunk))
-        with HistoryWriter(temporary_truth) as states:
+        with replacing(truth) as temporary_truth, HistoryWriter(temporary_truth) as states:
             for first in range(0, rows, CHUNK):
                 number = np.arange(first, min(first + CHUNK, rows), dtype=np.float64)
-                states.write(motion.state(number * every))
+                states.write(motion.state(begin + number * every))
                 advance(len(number))
     return max(quantise.report().full_scale), rows
 

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from itertools import chain
 from math import cos, degrees, hypot, pi, radians, sin
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from sculler import terminal
+from sculler import navigation_options, terminal
 
 if TYPE_CHECKING:
-    from sculler.against_truth import AgainstTruth
+    from sculler.navigation_run import Given
     from sculler_model.blocks import VectorBlock
     from sculler_model.design import Design
-    from sculler_model.host import MajorIncrements
-    from sculler_model.navigation import Alignment, FineAlignment, Mechanisation, NavState
+    from sculler_model.navigation import Alignment, FineAlignment, Gravity, Mechanisation, NavState
 
 _ANGLES = ("roll", "pitch", "heading")
 _VELOCITIES = ("vn", "ve", "vd")
@@ -34,7 +32,7 @@ _VELOCITIES = ("vn", "ve", "vd")
     ),
 )
 @terminal.design_argument
-@click.argument("vectors", metavar="VECTORS")
+@click.argument("vectors", metavar="VECTORS", type=terminal.InputFile())
 @terminal.output_option
 @click.option(
     "--lat",
@@ -68,9 +66,24 @@ _VELOCITIES = ("vn", "ve", "vd")
 @click.option(
     "--start",
     "begin",
-    type=terminal.number_type(0),
+    type=terminal.number_type(),
     metavar="SECONDS",
-    help="Begin at this time, the end of a major interval, and pass over what comes before.",
+    help="Begin at this time on the log's clock, the end of a major interval, and pass over what"
+    " comes before.",
+)
+@click.option(
+    "--stop",
+    type=terminal.number_type(),
+    metavar="SECONDS",
+    help="End with the last major interval that ends at this time or before.",
+)
+@click.option(
+    "--breaks",
+    type=click.Choice(["refuse", "split"]),
+    default="refuse",
+    show_default=True,
+    help="Where a result does not follow the one before: refuse the vectors, or begin anew after"
+    " the break (from the truth, by aligning again, or by going on as before).",
 )
 @click.option(
     "--align",
@@ -120,21 +133,23 @@ _VELOCITIES = ("vn", "ve", "vd")
 )
 @click.option(
     "--truth",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.InputFile(Path),
     metavar="FILE",
     help="Hold the run against this truth (of `motion`, or an npz, MAT or Parquet file with such"
-    " columns); what of the initial state is left out comes from its first row.",
+    " columns); what of the initial state is left out comes from it.",
 )
 @click.option(
     "--report",
     "page",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=terminal.OutputFile(),
     metavar="FILE.html",
     help="Write the run as one HTML page: figures, pictures, settings, design.",
 )
 @click.option(
     "--plots/--no-plots", default=True, show_default=True, help="Pictures beside the output."
 )
+@navigation_options.gravity_option
+@navigation_options.noise_options
 @terminal.json_option
 def command(
     design_name: str,
@@ -144,6 +159,8 @@ def command(
     lon: float | None,
     height: float | None,
     begin: float | None,
+    stop: float | None,
+    breaks: str,
     align_seconds: float | None,
     fine: bool,
     axes: str,
@@ -154,6 +171,11 @@ def command(
     truth: Path | None,
     page: Path | None,
     plots: bool,
+    gravity: str,
+    gyro_noise: float | None,
+    accel_noise: float | None,
+    gyro_bias_sigma: float | None,
+    accel_bias_sigma: float | None,
     as_json: bool,
     **initial: float | None,
 ) -> None:
@@ -167,15 +189,20 @@ def command(
     mechanisation; and wander_deg, from north to the x axis of the frame that was carried (0 if
     that points north): heading_deg - wander_deg runs on over a pole.
 
+    Times are on the log's own clock (on one that began with the log where it has no time_s).  The
+    first result may reach before the first sample (status bit 0): the run then begins at its end,
+    where the initial state holds.
+
     With --truth the errors of attitude, velocity and position are told and drawn.  They are formed
     at the instants of whichever of the two is sparser; where the other has no state at such an
-    instant it is interpolated: position by a cubic, velocity linearly, attitude evenly.
+    instant it is interpolated: position by a cubic, velocity linearly, attitude evenly.  What only
+    one of the two has is left out, and said.  A truth may tell attitude, velocity or position
+    alone; what it does not tell of the initial state comes from the options.
     """
     from sculler.against_truth import AgainstTruth, table
     from sculler.history import HistoryWriter, Thinned
-    from sculler_model.errors import InputError
-    from sculler_model.host import ThirdOrder, major_increments
-    from sculler_model.navigation import AxisMap, NavHistory, trajectory
+    from sculler.navigation_run import STATUSES, NavigationRun, Plan
+    from sculler_model.navigation import AxisMap, NavHistory
     from sculler_sim.files import replacing
     from sculler_sim.vectors_file import read_vectors
 
@@ -189,100 +216,126 @@ def command(
             raise click.UsageError("--start and --align contradict each other, give one")
     if fine and align_seconds is None:
         raise click.UsageError("--fine refines --align, give that too")
+    known = {
+        "gyro_noise": gyro_noise,
+        "accel_noise": accel_noise,
+        "gyro_bias_sigma": gyro_bias_sigma,
+        "accel_bias_sigma": accel_bias_sigma,
+    }
+    navigation_options.refuse_noise_without(align_seconds, known)
+    noise = navigation_options.sensor_noise(**known)
+    model = navigation_options.gravity_model(gravity)
+    if begin is not None and stop is not None and not stop > begin:
+        raise click.UsageError(f"--stop {stop:g} is not after --start {begin:g}, give a later time")
     if truth is None:
         for name, value in (("lat", lat), ("lon", lon), ("height", height)):
             if value is None:
                 raise click.UsageError(
                     f"Missing option '--{name}' (or --truth, which says where the run begins)"
                 )
-    if plots:
-        from sculler.plots import require_matplotlib
+    no_pictures = _claim_pictures(output, truth) if plots else None
+    plots = plots and no_pictures is None
 
-        require_matplotlib()
-    reference = None if truth is None else AgainstTruth(truth, design.major_interval, begin)
-    place = _place(lat, lon, height, reference)
-    faults = _Faults()
+    def carrier(start: NavState, reference_height: float) -> Mechanisation:
+        return _mechanisation(
+            mechanisation,
+            start,
+            design.major_interval,
+            position_every,
+            height_damping,
+            reference_height,
+            model,
+        )
 
+    plan = Plan(
+        design,
+        vectors,
+        _given(lat, lon, height, initial),
+        carrier,
+        axis_map,
+        start=begin,
+        stop=stop,
+        align=align_seconds,
+        fine=fine,
+        third_order=third_order,
+        split=breaks == "split",
+        gravity=model,
+        noise=noise,
+    )
+    reference = None if truth is None else AgainstTruth(truth, design.major_interval)
+    shown = Thinned()
     with (
         terminal.progress("navigating", _rows(vectors)) as advance,
         replacing(output) as temporary,
+        HistoryWriter(temporary, wander=True) as writer,
     ):
-        increments: Iterator[MajorIncrements] = (
-            major_increments(design, block).in_axes(axis_map)
-            for block in faults.count(read_vectors(vectors, design), advance)
-        )
-        if third_order:
-            increments = map(ThirdOrder(), increments)
-        alignment = finely = None
-        if align_seconds is not None:
-            window, increments = _split(increments, round(align_seconds / design.major_interval))
-            alignment, start = _aligned(design, window, place, align_seconds)
-            if fine:
-                finely, start = _finely(design, window, place)
-                T = design.major_interval
-                increments = (finely.corrected(block, T) for block in increments)
-        else:
-            begin = begin or 0.0 if reference is None else reference.first.time
-            skipped = _intervals(
-                begin, design.major_interval, "--start" if truth is None else truth
-            )
-            increments = _after(increments, skipped)
-            start = _given(begin, place, initial, reference)
-        shown = Thinned()
-        with HistoryWriter(temporary, wander=True) as writer:
-            navigator = _mechanisation(
-                mechanisation, start, design.major_interval, position_every, height_damping
-            )
-            track = trajectory(navigator, increments)
-            for part in chain([NavHistory.from_states([start])], track):
-                writer.write(part)
-                shown.add(part)
-                if reference is not None:
-                    reference.add(part)
-        if navigator.state == start:
-            raise InputError(f"{vectors}: no results to navigate with, give a longer log")
-        if reference is not None:
-            reference.finish()
-    data = _summary(design, vectors, output, start, navigator.state, alignment)
-    data["fault_results"] = faults.results
+
+        def sink(part: NavHistory) -> None:
+            writer.write(part)
+            shown.add(part)
+
+        run = NavigationRun(plan, sink, reference)
+        run.take(_advancing(read_vectors(vectors, design, missing=True), advance))
+    seen = run.seen
+    assert seen.start is not None
+    assert seen.end is not None
+    data = _summary(design, vectors, output, seen.start, seen.end, seen.alignment)
+    for key in STATUSES:
+        data[key] = seen.statuses.get(key, (0, 0.0))[0]
+    data["short_history_results_left_out"] = seen.left_out
+    data["breaks"] = seen.breaks
+    data["gravity"] = str(model)
+    data["warnings"] = seen.warnings
+    if no_pictures is not None:
+        data["no_pictures"] = no_pictures
+        data["warnings"].append(no_pictures)
     fine_position = design.high_resolution and mechanisation == "wander"
     data["position_algorithm"] = "high-resolution" if fine_position else "trapezoidal"
-    if finely is not None:
-        data["alignment"] |= _fine_facts(finely)
+    if seen.fine is not None:
+        data["alignment"] |= _fine_facts(seen.fine)
     if reference is not None:
         data["errors"] = reference.summary()
     if plots:
         from sculler.plots import navigation_pictures
 
-        pictures = navigation_pictures(shown.history(), output)
-        if reference is not None:
+        found = seen.fine or seen.alignment
+        euler = None if found is None else [degrees(sigma) for sigma in found.euler_sigma]
+        pictures = navigation_pictures(shown.history(), output, euler)
+        if reference is not None and data["errors"]["instants"] > 1:
             from sculler.plots_truth import truth_pictures
 
-            pictures += truth_pictures(*reference.shown(), reference.growth, output)
+            sigma = None if found is None else found.sigma
+            pictures += truth_pictures(*reference.shown(), reference.growth, output, sigma)
         data["plots"] = [str(path) for path in pictures]
     if page is not None:
         data["report"] = str(page)
-        _write_report(page, design, data, _settings(click.get_current_context()))
+        files = {"vectors": vectors, "design": design_name}
+        files |= {} if truth is None else {"truth": str(truth)}
+        files |= {} if model.table is None else {"gravity table": gravity}
+        _write_report(page, design, data, files)
     errors = () if reference is None else ("", table(data["errors"]))
     terminal.report(data, as_json, terminal.facts(_facts(data)), *errors)
 
 
-class _Faults:
-    """Counts the results that carry the status bit of a faulty sample."""
+def _advancing(blocks: Iterable[VectorBlock], advance: terminal.Advance) -> Iterator[VectorBlock]:
+    """The same blocks; tells how many results went by."""
+    for block in blocks:
+        yield block
+        advance(len(block))
 
-    def __init__(self) -> None:
-        self.results = 0
 
-    def count(
-        self, blocks: Iterable[VectorBlock], advance: terminal.Advance
-    ) -> Iterator[VectorBlock]:
-        """Pass the blocks on, and tell how many results went by."""
-        from sculler_model.vectors import STATUS_FAULT
+def _claim_pictures(output: Path, truth: Path | None) -> str | None:
+    """Set the pictures' files aside; or why there will be none, in a line."""
+    from sculler.plots import left_out, navigation_picture_paths
+    from sculler.plots_truth import truth_picture_paths
+    from sculler_model import inputs
 
-        for block in blocks:
-            self.results += int(((block.status & STATUS_FAULT) != 0).sum())
-            yield block
-            advance(len(block))
+    reason = left_out()
+    if reason is None:
+        beside = truth_picture_paths(output) if truth is not None else []
+        for path in [*navigation_picture_paths(output), *beside]:
+            inputs.claim(path)
+    return reason
 
 
 def _rows(vectors: str) -> int | None:
@@ -297,66 +350,40 @@ def _rows(vectors: str) -> int | None:
         return None
 
 
-def _write_report(
-    page: Path, design: Design, data: dict[str, Any], settings: dict[str, Any]
-) -> None:
+def _write_report(page: Path, design: Design, data: dict[str, Any], files: dict[str, str]) -> None:
     """The run as one page."""
+    from sculler.origin import chain, settings
     from sculler.report import write_report
 
     pictures = [Path(path) for path in data.get("plots", [])]
-    errors, warnings = data.get("errors"), _warnings(data)
-    write_report(page, design, _facts(data), errors, pictures, settings, warnings)
+    errors, warnings = data.get("errors"), data["warnings"]
+    said = settings(click.get_current_context())
+    steps = [step for kind, path in files.items() for step in chain(kind, path)]
+    write_report(page, design, _facts(data), errors, pictures, said, warnings, steps)
 
 
-def _settings(context: click.Context) -> dict[str, Any]:
-    """What the command line said, in its own names, and the defaults that came to be used."""
-    settings = {}
-    for parameter in context.command.params:
-        assert parameter.name is not None
-        value = context.params[parameter.name]
-        if value not in (None, False):
-            option = isinstance(parameter, click.Option)
-            settings[parameter.opts[-1] if option else parameter.human_readable_name] = value
-    return settings
+def _given(
+    lat: float | None, lon: float | None, height: float | None, initial: dict[str, float | None]
+) -> Given:
+    """The initial state as the options tell it, in degrees, as far as they do."""
+    from sculler.navigation_run import Given
 
+    def inside(value: float | None) -> float | None:
+        return None if value is None else radians(value)
 
-def _warnings(data: dict[str, Any]) -> list[str]:
-    """What to look at before trusting the run."""
-    warnings = list(data.get("alignment", {}).get("warnings", []))
-    if data["fault_results"]:
-        warnings.append(
-            f"{terminal.plural(data['fault_results'], 'result')} with faulty samples (status bit 1)"
-        )
-    return warnings
-
-
-class _Place(NamedTuple):
-    """Initial position: rad, rad, m."""
-
-    lat: float
-    lon: float
-    height: float
-
-
-def _place(
-    lat: float | None, lon: float | None, height: float | None, reference: AgainstTruth | None
-) -> _Place:
-    """Of the options (degrees, m), and of the truth what they leave out."""
-    given = (
-        None if lat is None else radians(lat),
-        None if lon is None else radians(lon),
-        height,
-    )
-    first = (0.0, 0.0, 0.0)
-    if reference is not None:
-        first = (reference.first.lat, reference.first.lon, reference.first.h)
-    return _Place(
-        *(there if here is None else here for here, there in zip(given, first, strict=True))
-    )
+    roll, pitch, heading = (inside(initial[name]) for name in _ANGLES)
+    north, east, down = (initial[name] for name in _VELOCITIES)
+    return Given((roll, pitch, heading), (north, east, down), (inside(lat), inside(lon), height))
 
 
 def _mechanisation(
-    name: str, start: NavState, interval: float, position_every: int, damping: float | None
+    name: str,
+    start: NavState,
+    interval: float,
+    position_every: int,
+    damping: float | None,
+    reference_height: float,
+    gravity: Gravity,
 ) -> Mechanisation:
     """What carries the state, as the options choose it."""
     from sculler_model.navigation import GeographicNavigator, HeightDamping, Navigator
@@ -367,109 +394,21 @@ def _mechanisation(
                 "--position-every and --height-damping are for the wander azimuth, leave them out"
                 " or give --mechanisation wander"
             )
-        return GeographicNavigator(start, interval)
-    loop = None if damping is None else HeightDamping(start.h, damping)
-    return Navigator(start, interval, position_every=position_every, height_damping=loop)
-
-
-def _intervals(begin: float, interval: float, where: str | Path) -> int:
-    """Major intervals before a time at which the run begins."""
-    from sculler_model.errors import InputError
-    from sculler_model.navigation_errors import SAME_INSTANT
-
-    count = round(begin / interval)
-    if count < 0 or abs(begin - count * interval) > SAME_INSTANT:
-        raise InputError(
-            f"{where}: the run cannot begin at {begin:.9g} s, which is not the end of a major"
-            f" interval of {interval:g} s; give another time to --start"
-        )
-    return count
-
-
-def _given(
-    begin: float, place: _Place, initial: dict[str, float | None], reference: AgainstTruth | None
-) -> NavState:
-    """The initial state of the options, and of the truth what they leave out; else level, still."""
-    from sculler_model.navigation import NavState
-    from sculler_model.navigation.rotation import from_euler
-
-    origin = NavState(begin, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), *place)
-    if reference is not None:
-        origin = reference.first
-    q = origin.q
-    if any(initial[name] is not None for name in _ANGLES):
-        roll, pitch, heading = (
-            here if (value := initial[name]) is None else radians(value)
-            for name, here in zip(_ANGLES, origin.euler, strict=True)
-        )
-        q = from_euler(roll, pitch, heading)
-    vn, ve, vd = (
-        here if (value := initial[name]) is None else value
-        for name, here in zip(_VELOCITIES, origin.v, strict=True)
+        return GeographicNavigator(start, interval, gravity)
+    loop = None if damping is None else HeightDamping(reference_height, damping)
+    return Navigator(
+        start,
+        interval,
+        position_every=position_every,
+        height_damping=loop,
+        gravity=gravity,
     )
-    return NavState(origin.time, q, (vn, ve, vd), *place)
-
-
-def _after(increments: Iterator[MajorIncrements], rows: int) -> Iterator[MajorIncrements]:
-    """All but the first `rows` intervals."""
-    for block in increments:
-        if rows < len(block):
-            yield block[rows:]
-        rows = max(0, rows - len(block))
-
-
-def _split(
-    increments: Iterator[MajorIncrements], rows: int
-) -> tuple[list[MajorIncrements], Iterator[MajorIncrements]]:
-    """The first `rows` intervals, and the rest."""
-    first: list[MajorIncrements] = []
-    for block in increments:
-        first.append(block[:rows])
-        rows -= len(first[-1])
-        if not rows:
-            rest = block[len(first[-1]) :]
-            return first, chain([rest], increments)
-    return first, iter(())
-
-
-def _aligned(
-    design: Design,
-    window: list[MajorIncrements],
-    place: _Place,
-    wanted: float,
-) -> tuple[Alignment, NavState]:
-    """Alignment over the window, and the state at its end."""
-    from sculler_model.errors import InputError
-    from sculler_model.host import MajorIncrements
-    from sculler_model.navigation import align
-
-    T = design.major_interval
-    seconds = sum(len(part) for part in window) * T
-    if seconds < wanted - 0.5 * T - 1e-9:
-        raise InputError(
-            f"--align: {wanted:g} s are more than the {seconds:g} s of vectors, give less"
-        )
-    alignment = align(MajorIncrements.concatenate(window), T, place.lat, place.height)
-    return alignment, alignment.state(*place)
-
-
-def _finely(
-    design: Design, window: list[MajorIncrements], place: _Place
-) -> tuple[FineAlignment, NavState]:
-    """Fine alignment over the window, and the state at its end."""
-    from sculler_model.host import MajorIncrements
-    from sculler_model.navigation import align_finely
-
-    rest = MajorIncrements.concatenate(window)
-    found = align_finely(rest, design.major_interval, place.lat, place.height)
-    return found, found.state(*place)
 
 
 def _fine_facts(found: FineAlignment) -> dict[str, Any]:
     """What the fine stage adds to the alignment's data."""
-    north, east, heading = map(degrees, found.sigma)
-    return {
-        "heading_sigma_deg": heading,
+    north, east, _ = map(degrees, found.sigma)
+    return navigation_options.sigma_facts(found, found.coarse.noise) | {
         "level_sigma_deg": hypot(north, east),
         "gyro_bias_deg_per_h": [degrees(rate) * 3600 for rate in found.gyro_bias],
         "surprise": found.surprise,
@@ -525,8 +464,8 @@ def _summary(
             "specific_force": alignment.specific_force,
             "gravity": alignment.gravity,
             "implied_latitude_deg": degrees(alignment.latitude),
-            "heading_sigma_deg": degrees(alignment.heading_sigma),
             "warnings": list(alignment.warnings),
+            **navigation_options.sigma_facts(alignment, alignment.noise),
         }
     return data
 
@@ -545,24 +484,30 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
         found = data["alignment"]
         rows["alignment"] = (
             f"{found['seconds']:g} s at rest: rate {found['rate_deg_per_h']:.3f} °/h, implied"
-            f" latitude {found['implied_latitude_deg']:.3f}°, heading scatter"
-            f" {found['heading_sigma_deg']:.3f}°"
+            f" latitude {found['implied_latitude_deg']:.3f}°;"
+            f" {navigation_options.sigmas_told(found)}"
         )
         if "level_sigma_deg" in found:
             bias = ", ".join(f"{rate:+.4f}" for rate in found["gyro_bias_deg_per_h"])
             rows["fine alignment"] = (
-                f"level to {found['level_sigma_deg']:.2g}°, heading to"
-                f" {found['heading_sigma_deg']:.2g}° (1 σ), gyro biases {bias} °/h in the body"
+                f"level to {found['level_sigma_deg']:.2g}°, gyro biases {bias} °/h in the body,"
+                f" {navigation_options.biases_told(found)}"
             )
-    for number, warning in enumerate(_warnings(data), start=1):
+    for number, warning in enumerate(data["warnings"], start=1):
         rows[f"warning {number}"] = warning
+    if data["short_history_results_left_out"]:
+        rows["short history"] = (
+            f"{terminal.plural(data['short_history_results_left_out'], 'result')} reached before"
+            " the first sample (status bit 0) and cannot be carried: the run begins after that, at"
+            f" {data['start_s']:.15g} s, where the initial state holds"
+        )
 
     def attitude(angles: dict[str, float]) -> str:
         return ", ".join(f"{name} {_four_places(angle)}°" for name, angle in angles.items())
 
     moved, velocity, place = data["moved_m"], data["end_velocity"], data["end_position"]
     return rows | {
-        "duration": f"{data['seconds']:,.6g} s from {data['start_s']:g} s on",
+        "duration": f"{data['seconds']:,.6g} s from {data['start_s']:.15g} s on",
         "start attitude": attitude(data["start_attitude_deg"]),
         "end attitude": attitude(data["end_attitude_deg"]),
         "end velocity": ", ".join(f"{name} {_four_places(v)}" for name, v in velocity.items())
@@ -574,6 +519,7 @@ def _facts(data: dict[str, Any]) -> dict[str, str]:
         " end",
         "heading change": f"{_four_places(data['heading_change_deg'])}°,"
         f" {_four_places(data['heading_change_deg_per_h'])} °/h",
+        "gravity": data["gravity"],
         "position": _POSITION[data["position_algorithm"]],
         "wrote": data["output"],
         **(against_truth.facts(data["errors"]) if "errors" in data else {}),

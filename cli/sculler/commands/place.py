@@ -146,20 +146,19 @@ _LABELS = {
 
 
 def write(folder: Path, placer: Placer, report: str) -> None:
-    """Write report.json, the netlist and the log into a folder; each appears whole or not at all.
+    """Write report.json, the netlist and the log into a folder; they appear together.
 
     Raises:
         InputError: the folder cannot be made or written to.
     """
-    from sculler_sim.files import make_folder, replacing
+    from sculler_sim.files import gathering
 
     synthesis = placer.synthesis
-    make_folder(folder)
     texts = {
         f"{placer.design.name}_netlist.v": synthesis.netlist,
         "yosys.log": synthesis.log,
         "report.json": report,
     }
-    for name, text in texts.items():
-        with replacing(folder / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+    with gathering(folder) as gathered:
+        for name, text in texts.items():
+            (gathered / name).write_text(text, encoding="utf-8")

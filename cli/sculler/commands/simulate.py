@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
 from sculler import terminal
 
 if TYPE_CHECKING:
+    from sculler.breaks import Policy
     from sculler.runs import SimulationEngine
 
 
@@ -24,10 +25,11 @@ if TYPE_CHECKING:
 @terminal.output_option
 @click.option(
     "--engine",
-    type=click.Choice(["verilator", "amaranth"]),
-    default="verilator",
+    type=click.Choice(["auto", "verilator", "amaranth"]),
+    default="auto",
     show_default=True,
-    help="The emitted Verilog compiled by Verilator, or the Amaranth design in its own simulator.",
+    help="The emitted Verilog compiled by Verilator, or the Amaranth design in its own simulator;"
+    " auto is Verilator where it is installed.",
 )
 @click.option(
     "--stall",
@@ -37,18 +39,20 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--wave",
-    type=click.Path(path_type=Path),
+    type=terminal.OutputFile(),
     metavar="FILE",
     help="Write a waveform: .vcd, or with Verilator also .fst.",
 )
+@terminal.breaks_option
 @terminal.json_option
 def command(
     design_name: str,
     log: str,
     output: Path,
-    engine: SimulationEngine,
+    engine: Literal["auto"] | SimulationEngine,
     stall: int | None,
     wave: Path | None,
+    breaks: Policy,
     as_json: bool,
 ) -> None:
     """Run the IMU log LOG (CSV of counts, - for stdin) through the register-transfer level.
@@ -56,18 +60,28 @@ def command(
     Writes the vectors that the core hands over, for `sculler compare` with those of `sculler
     model`.
     """
+    from sculler.origin import write_origin
     from sculler.runs import simulate_log
     from sculler_sim.stimulus import Stimulus
 
     design = terminal.load_design(design_name)
+    warnings: list[str] = []
+    if engine == "auto":
+        no_verilator = terminal.why_no_verilator()
+        engine = "verilator" if no_verilator is None else "amaranth"
+        if no_verilator is not None:
+            warnings.append(f"simulated by Amaranth, slowly: {no_verilator}")
     # stalls long enough that the host misses a major end now and then
     longest = max(256, 4 * design.samples_per_major)
     stimulus = Stimulus.always() if stall is None else Stimulus.stalls(stall, longest)
     with terminal.progress("simulating", terminal.file_size(log)) as advance:
-        summary = simulate_log(design, log, output, engine, stimulus, wave, advance)
+        summary = simulate_log(design, log, output, engine, stimulus, wave, advance, breaks)
     waveform = None if wave is None else str(wave)
     data = {"engine": engine, "log": log, "output": str(output), "stall": stall, "wave": waveform}
-    rows = summary.facts() | {"wrote": str(output)}
+    warnings += summary.warnings
+    rows = summary.facts() | terminal.warning_rows(warnings) | {"wrote": str(output)}
     if waveform is not None:
         rows["waveform"] = waveform
-    terminal.report(data | summary.as_json(), as_json, terminal.facts(rows))
+    data |= summary.as_json() | {"warnings": warnings}
+    write_origin(output, {"log": log, "design": design_name}, data)
+    terminal.report(data, as_json, terminal.facts(rows))

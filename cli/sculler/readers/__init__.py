@@ -1,4 +1,4 @@
-"""Foreign IMU logs, one module per format; `sculler convert` makes core logs of them.
+"""Foreign IMU logs, one module per family of formats; `sculler convert` makes core logs of them.
 
 A reader yields what the file holds as a `Recording`: numbers in the file's own units, and the times
 of its own clock.  What becomes of the times is `sculler.readers.timing`; bringing the numbers to
@@ -7,15 +7,20 @@ the design's counts is the same for all formats and is `sculler.conversion`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import pi
-from typing import NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler_model.errors import InputError
 from sculler_model.sampling import Kind
+
+if TYPE_CHECKING:
+    from sculler.readers.raw.datagrams import Census
 
 Advance = Callable[[int], None]
 
@@ -131,6 +136,8 @@ class Recording:
         clock: of the stamps; None where there are none.
         notes: what the file says that is worth telling, by topic; complete once all samples have
             been drawn.
+        warnings: what is doubtful in it, in sentences; likewise.
+        datagrams: what a raw log is made of; likewise.
     """
 
     gyro: Unit
@@ -139,3 +146,25 @@ class Recording:
     has_faults: bool = False
     clock: Clock | None = None
     notes: Mapping[str, str] = field(default_factory=dict)
+    warnings: Sequence[str] = ()
+    datagrams: Census | None = None
+
+
+def require_finite(path: Path, first: int, values: NDArray[Any], names: Sequence[str]) -> None:
+    """Refuse a value that is not finite.
+
+    Args:
+        path: for the message.
+        first: number of the first sample.
+        values: (N, columns).
+        names: of the columns.
+
+    Raises:
+        InputError: names the first such value.
+    """
+    bad = ~np.isfinite(values)
+    if bad.any():
+        row, at = (int(i) for i in np.argwhere(bad)[0])
+        raise InputError(
+            f"{path}: sample {first + row}: {names[at]} is {values[row, at]}, give a finite number"
+        )

@@ -6,6 +6,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from sculler_model.errors import InputError
+
 _ROS_PREFIX = re.compile(r"^field\.")
 _SECONDS, _NANOSECONDS = ("secs", "sec"), ("nsecs", "nanosec", "nanosecs")
 
@@ -75,6 +77,31 @@ def _ros(names: Sequence[str]) -> KnownColumns | None:
     stamps = [".header.stamp", ".%time", ".time", ".__time", ".timestamp", ".rosbagtimestamp"]
     time = next((name for end in stamps if (name := ending(end)) is not None), None)
     return KnownColumns("ros", tuple(columns), () if time is None else (time,), None)
+
+
+def split_sign(column: str) -> tuple[float, str]:
+    """The sign and the name or number of a column as an option gives it: `-gy` is minus `gy`."""
+    bare = column.removeprefix("-").strip()
+    return (-1.0, bare) if column.startswith("-") and bare else (1.0, column)
+
+
+def headed(column: str, names: Sequence[str]) -> str:
+    """The name under which a header has a column that an option gives, its sign apart.
+
+    Some programs head a column `-gy` that holds minus y: `-gy` then is the negative of that.
+
+    Raises:
+        InputError: the header has both `gy` and `-gy`.
+    """
+    sign, bare = split_sign(column)
+    if sign > 0 or column not in names:
+        return bare
+    if bare in names:
+        raise InputError(
+            f"column {column!r} may be the negative of {bare!r} or the column of that name, give"
+            " the columns' numbers"
+        )
+    return column
 
 
 def stamp_unit(stamp: str) -> str:

@@ -5,8 +5,9 @@ EuRoC's and ROS's CSV files are such files with known headers (`sculler.readers.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import TextIO
@@ -15,54 +16,43 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.logs import COUNTS, FAULT
-from sculler.readers import Advance, Clock, Recording, Samples, Unit
-from sculler.readers.columns import recognise, stamp_unit
-from sculler.readers.text import Column, Rows, number_rows, open_text
+from sculler.readers import Clock, Recording, Samples
+from sculler.readers.columns import headed, recognise, stamp_unit
+from sculler.readers.format import COLUMNS, TIME, UNITS, Format, Request
+from sculler.readers.text import COMMENT, Column, Rows, is_content, number_rows, open_text
 from sculler_model.errors import InputError
 
 DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": None}
+_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
+_HEAD_ROWS = 1000
 
 
-@dataclass(frozen=True)
-class Layout:
-    """Where in a row to find what.
-
-    Attributes:
-        columns: six names or numbers (from 1), gyro x, y, z, accelerometer x, y, z; None for those
-            of a known program, else `COUNTS`.
-        time: name or number of the time column; None for that of a known program, else none.
-        time_unit: of `TIME_UNITS`; None for that of a known program, else s.
-        delimiter: between values, a name of `DELIMITERS` or one character; None to find out.
-        skip_rows: lines before the header, or before the first row if there is no header.
-        program: the known program that must have written the file, or None for any.
-    """
-
-    columns: Sequence[str] | None = None
-    time: str | None = None
-    time_unit: str | None = None
-    delimiter: str | None = None
-    skip_rows: int = 0
-    program: str | None = None
-
-
-def read_delimited(
-    path: Path, layout: Layout, gyro: Unit, accel: Unit, advance: Advance
-) -> Recording:
+def read_delimited(path: Path, request: Request, program: str | None) -> Recording:
     """A text file of numbers, one sample a line.
 
     A column called `fault` is carried along.  The file is read as the recording's chunks are drawn,
     but for its head, which is read at once.
 
+    Args:
+        path: the file.
+        request: names or numbers (from 1) of the columns, those of a known program if left out,
+            else `COUNTS`; of the time column, that of a known program if left out, else none.
+        program: the known program that must have written the file, or None for any.
+
     Raises:
         InputError: the file cannot be read, or has no such columns.
     """
+    units = request.units(*(("rad/s", "m/s2") if program is not None else ()))
     with open_text(path) as file:
-        header = _Header(file, path, layout)
+        header = _Header(file, path, request, program)
     clock = None if header.time_unit is None else Clock(header.time_unit)
     notes = {"columns": ", ".join(column.name for column in header.columns)}
+    warnings: list[str] = []
     if clock is not None:
         names = " and ".join(column.name for column in header.stamps)
         notes["time stamps"] = f"{names}, {clock.unit}"
+    if header.decimal == ",":
+        notes["numbers"] = "have a decimal comma"
     whole = header.stamps if clock is not None and clock.unit == "ns" else []
 
     def chunks() -> Iterator[Samples]:
@@ -71,15 +61,35 @@ def read_delimited(
                 pass
             columns = [*header.columns, *([] if whole else header.stamps), *header.faults]
             for rows in number_rows(
-                file, path, header.lines + 1, columns, header.delimiter, advance, whole
+                file,
+                path,
+                header.lines + 1,
+                columns,
+                header.delimiter,
+                request.advance,
+                whole,
+                header.decimal,
             ):
                 faults = None
                 if header.faults:
                     faults = fault_flags(path, rows.values[:, -1])
+                if rows.rounded is not None and not warnings:
+                    warnings.append(_rounded_told(rows.rounded))
                 times = None if clock is None else clock(_stamps(rows))
                 yield Samples(rows.values[:, : len(COUNTS)], faults, times)
 
-    return Recording(gyro, accel, chunks(), bool(header.faults), clock, notes)
+    return Recording(*units, chunks(), bool(header.faults), clock, notes, warnings)
+
+
+def _rounded_told(cell: str) -> str:
+    """What is to be said of a stamp in ns with an exponent."""
+    mantissa, _, exponent = cell.lower().partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    step = 10.0 ** (int(exponent) - decimals) * 1e-9
+    return (
+        f"stamps are rounded, as a spreadsheet shows them ({cell}): they tell times to {step:g} s"
+        " only; export them as whole numbers"
+    )
 
 
 def fault_flags(path: Path, values: NDArray[np.float64]) -> NDArray[np.uint8]:
@@ -112,6 +122,7 @@ class _Header:
 
     Attributes:
         delimiter: between values, None for white space.
+        decimal: the mark before the decimals.
         columns: the six of the samples.
         stamps: none, one, or two: whole seconds and nanoseconds.
         time_unit: of the stamps, None if there are none.
@@ -119,69 +130,141 @@ class _Header:
         lines: lines before the first row.
     """
 
-    def __init__(self, file: TextIO, path: Path, layout: Layout) -> None:
-        lines = list(islice(file, layout.skip_rows + 2))
-        if len(lines) <= layout.skip_rows:
-            raise InputError(
-                f"{path}: the log is empty after {layout.skip_rows} lines, give samples"
-            )
-        line = lines[layout.skip_rows]
-        number = layout.skip_rows + 1
-        self.delimiter = delimiter_of(layout.delimiter, line)
+    def __init__(self, file: TextIO, path: Path, request: Request, program: str | None) -> None:
+        asked = request.columns(COUNTS)
+        names = [*(asked or ()), *(() if request.time is None else (request.time,))]
+        given = delimiter_given(request.delimiter)
+        skipped = list(islice(file, request.skip_rows))
+        line, number = _header_line(file, request.skip_rows + 1, given, names)
+        if line is None:
+            raise InputError(f"{path}: the log is empty after {len(skipped)} lines, give samples")
+        self.delimiter = delimiter_of(given, line)
         cells = header_cells(line, self.delimiter)
         known = recognise(cells)
-        if layout.program is not None and (known is None or known.program != layout.program):
+        if program is not None and (known is None or known.program != program):
             raise InputError(
-                f"{path}: line {number}: not the header of a file of format {layout.program}, give"
+                f"{path}: line {number}: not the header of a file of format {program}, give"
                 " --format csv with the columns"
             )
-        names: Sequence[str] = layout.columns or (COUNTS if known is None else known.columns)
+        columns: Sequence[str] = asked or (COUNTS if known is None else known.columns)
+        columns = [headed(name, cells) for name in columns]
         time: Sequence[str] = () if known is None else known.time
-        if layout.time is not None:
-            time = (layout.time,)
-        faults = [FAULT] * (FAULT in cells and FAULT not in (*names, *time))
-        wanted = [*names, *time, *faults]
+        if request.time is not None:
+            time = (request.time,)
+        faults = [FAULT] * (FAULT in cells and FAULT not in (*columns, *time))
+        wanted = [*columns, *time, *faults]
         named = not all(name.isdecimal() for name in wanted)
-        if named:
-            for name in wanted:
-                if name not in cells:
-                    raise InputError(
-                        f"{path}: line {number}: no column {name!r}, the header names"
-                        f" {', '.join(cells)[:200]}; give --gyro-columns and --accel-columns"
-                    )
-                if cells.count(name) > 1:
-                    raise InputError(
-                        f"{path}: line {number}: column {name!r} is there twice, give"
-                        " --gyro-columns and --accel-columns as numbers"
-                    )
-            found = [Column(name, cells.index(name)) for name in wanted]
-        else:
-            found = [Column(f"column {name}", int(name) - 1) for name in wanted]
-            for column in found:
-                if not 0 <= column.place < len(cells):
-                    raise InputError(
-                        f"{path}: line {number}: no {column.name}, the line has {len(cells)}"
-                    )
-        self.columns = found[: len(names)]
-        self.stamps = found[len(names) : len(names) + len(time)]
-        self.faults = found[len(names) + len(time) :]
-        is_header = named or not all(_is_number(cells[column.place]) for column in self.columns)
-        self.lines = layout.skip_rows + is_header
-        row = header_cells(lines[self.lines], self.delimiter) if len(lines) > self.lines else []
+        if named and line.lstrip().startswith(COMMENT) and known is None:
+            cells = header_cells(line.lstrip().lstrip(COMMENT), self.delimiter)
+        found = _places(path, number, cells, wanted, named)
+        self.columns = found[: len(columns)]
+        self.stamps = found[len(columns) : len(columns) + len(time)]
+        self.faults = found[len(columns) + len(time) :]
+        rows = [] if named or not _are_numbers(cells, self.columns) else [line]
+        self.lines = number - len(rows)
+        rows += [text for text in islice(file, _HEAD_ROWS) if is_content(text)]
+        table = [header_cells(row.partition(COMMENT)[0], self.delimiter) for row in rows]
+        self.decimal = _decimal(table, [*self.columns, *self.stamps], self.delimiter)
         self.time_unit = None
         if self.stamps:
             place = self.stamps[0].place
-            stamp = row[place] if place < len(row) else ""
+            stamp = table[0][place] if table and place < len(table[0]) else ""
             by_known = None
-            if known is not None and layout.time is None:
+            if known is not None and request.time is None:
                 by_known = known.time_unit or stamp_unit(stamp)
-            self.time_unit = layout.time_unit or by_known or "s"
+            self.time_unit = request.time_unit or by_known or "s"
+
+
+def _header_line(
+    file: TextIO, number: int, delimiter: str | None, names: Sequence[str]
+) -> tuple[str | None, int]:
+    """The first line that is no comment, or is a header behind a `#`, and its number."""
+    for at, line in enumerate(file, start=number):
+        if is_content(line):
+            return line, at
+        if line.isspace():
+            continue
+        if recognise(header_cells(line, delimiter_of(delimiter, line))) is not None:
+            return line, at
+        plain = line.lstrip().lstrip(COMMENT)
+        cells = header_cells(plain, delimiter_of(delimiter, plain))
+        if all(name in cells for name in names or COUNTS):
+            return line, at
+    return None, number
+
+
+def _places(
+    path: Path, number: int, cells: Sequence[str], wanted: Sequence[str], named: bool
+) -> list[Column]:
+    """Where the wanted columns are, by the names in a header or by their numbers.
+
+    Raises:
+        InputError: one is not there, or twice.
+    """
+    if named:
+        for name in wanted:
+            if name not in cells:
+                raise InputError(
+                    f"{path}: line {number}: no column {name!r}, the header names"
+                    f" {', '.join(cells)[:200]}; give --gyro-columns and --accel-columns"
+                )
+            if cells.count(name) > 1:
+                raise InputError(
+                    f"{path}: line {number}: column {name!r} is there twice, give"
+                    " --gyro-columns and --accel-columns as numbers"
+                )
+        return [Column(name, cells.index(name)) for name in wanted]
+    found = [Column(f"column {name}", int(name) - 1) for name in wanted]
+    for column in found:
+        if not 0 <= column.place < len(cells):
+            raise InputError(f"{path}: line {number}: no {column.name}, the line has {len(cells)}")
+    return found
+
+
+def _are_numbers(cells: Sequence[str], columns: Sequence[Column]) -> bool:
+    """Whether the columns' cells of a line are numbers, so that the line is no header."""
+    return all(
+        _is_number(cells[column.place]) or _COMMA.fullmatch(cells[column.place])
+        for column in columns
+    )
+
+
+def _decimal(
+    table: Sequence[Sequence[str]], columns: Sequence[Column], delimiter: str | None
+) -> str:
+    """The mark before the decimals in the first rows."""
+    if delimiter == ",":
+        return "."
+    cells = [row[column.place] for row in table for column in columns if column.place < len(row)]
+    return "," if any(_COMMA.fullmatch(cell) for cell in cells) else "."
+
+
+def delimiter_given(given: str | None) -> str | None:
+    """A delimiter by its name or itself; None to find out.
+
+    Raises:
+        InputError: it is neither.
+    """
+    if given is not None and given not in DELIMITERS and len(given) != 1:
+        raise InputError(
+            f"--delimiter: {given!r} is not known, give {', '.join(DELIMITERS)} or one character"
+        )
+    return given
 
 
 def delimiter_of(given: str | None, line: str) -> str | None:
-    """The delimiter asked for, or the one that the line shows."""
+    """The delimiter asked for, or the one that the line shows.
+
+    Where semicolons or tabs make enough cells, commas are within these: decimal commas.
+    """
     if given is not None:
         return DELIMITERS.get(given, given)
+    for character in ";\t":
+        if line.count(character) >= len(COUNTS) - 1:
+            return character
+    blank = line.split()
+    if len(blank) >= len(COUNTS) and all(_COMMA.fullmatch(cell) for cell in blank):
+        return None
     return next((character for character in ",;\t" if character in line), None)
 
 
@@ -191,3 +274,26 @@ def _is_number(cell: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+_TEXT = frozenset({"delimiter", "skip_rows"})
+FORMATS = (
+    Format(
+        "csv",
+        "text with a header or without, any delimiter",
+        partial(read_delimited, program=None),
+        COLUMNS | _TEXT,
+    ),
+    Format(
+        "euroc",
+        "CSV of EuRoC's data sets",
+        partial(read_delimited, program="euroc"),
+        UNITS | TIME | _TEXT,
+    ),
+    Format(
+        "ros",
+        "CSV of ROS sensor_msgs/Imu",
+        partial(read_delimited, program="ros"),
+        UNITS | TIME | _TEXT,
+    ),
+)

@@ -14,11 +14,13 @@ from pathlib import Path
 import numpy as np
 
 from sculler.logs import COUNTS
-from sculler.readers import Advance, Clock, Recording, Samples, Unit
+from sculler.readers import Clock, Recording, Samples
+from sculler.readers.format import UNITS, Format, Head, Request
 from sculler.readers.text import Column, number_rows, open_text
 from sculler_model.errors import InputError
 
 COLUMNS = ("time", *COUNTS)
+_UNITS = ("rad", "m/s")
 
 _ROW = np.dtype("<f8")
 _ROW_BYTES = len(COLUMNS) * _ROW.itemsize
@@ -26,7 +28,7 @@ _CHUNK_ROWS = 1 << 14
 _NOTES = {"time stamps": "column 1, s (end of each interval)"}
 
 
-def read_kfgins(path: Path, gyro: Unit, accel: Unit, advance: Advance) -> Recording:
+def read_kfgins(path: Path, request: Request) -> Recording:
     """A text file of increments, read as its samples are drawn.
 
     Raises:
@@ -35,18 +37,18 @@ def read_kfgins(path: Path, gyro: Unit, accel: Unit, advance: Advance) -> Record
     with open_text(path) as file:
         if not file.readline():
             raise InputError(f"{path}: the log is empty, give samples")
-    clock = Clock("s")
+    units, clock = request.units(*_UNITS), Clock("s")
 
     def chunks() -> Iterator[Samples]:
         columns = [Column(name, at) for at, name in enumerate(COLUMNS)]
         with open_text(path) as file:
-            for rows in number_rows(file, path, 1, columns, None, advance):
+            for rows in number_rows(file, path, 1, columns, None, request.advance):
                 yield Samples(rows.values[:, 1:], times=clock(rows.values[:, 0]))
 
-    return Recording(gyro, accel, chunks(), clock=clock, notes=_NOTES)
+    return Recording(*units, chunks(), clock=clock, notes=_NOTES)
 
 
-def read_kfgins_binary(path: Path, gyro: Unit, accel: Unit, advance: Advance) -> Recording:
+def read_kfgins_binary(path: Path, request: Request) -> Recording:
     """The same in binary.
 
     Raises:
@@ -65,13 +67,13 @@ def read_kfgins_binary(path: Path, gyro: Unit, accel: Unit, advance: Advance) ->
             f"{path}: {size} bytes are not a whole number of rows of {_ROW_BYTES}, the file is cut"
             " short or of another format"
         )
-    clock = Clock("s")
+    units, clock = request.units(*_UNITS), Clock("s")
 
     def chunks() -> Iterator[Samples]:
         first = 0
         with path.open("rb") as file:
             while block := file.read(_CHUNK_ROWS * _ROW_BYTES):
-                advance(len(block))
+                request.advance(len(block))
                 rows = np.frombuffer(block, _ROW).reshape(-1, len(COLUMNS)).astype(np.float64)
                 if not np.isfinite(rows).all():
                     row, at = (int(i) for i in np.argwhere(~np.isfinite(rows))[0])
@@ -82,7 +84,7 @@ def read_kfgins_binary(path: Path, gyro: Unit, accel: Unit, advance: Advance) ->
                 yield Samples(rows[:, 1:], times=clock(rows[:, 0]))
                 first += len(rows)
 
-    return Recording(gyro, accel, chunks(), clock=clock, notes=_NOTES)
+    return Recording(*units, chunks(), clock=clock, notes=_NOTES)
 
 
 def looks_like_text(lines: list[str]) -> bool:
@@ -104,3 +106,19 @@ def looks_like_binary(head: bytes, size: int) -> bool:
     steps = np.diff(rows[:, 0])
     # intervals of 10 µs to 10 s, and numbers that are increments: bytes of anything else are not
     return bool(((steps > 1e-5) & (steps < 10)).all() and (np.abs(rows[:, 1:]) < 1e3).all())
+
+
+def _looks(head: Head) -> float:
+    return 0.5 * looks_like_binary(head.content, head.size)
+
+
+FORMATS = (
+    Format("kfgins", "text of KF-GINS: time and increments", read_kfgins, UNITS),
+    Format(
+        "kfgins-binary",
+        "the same in binary, 7 floats of 8 bytes",
+        read_kfgins_binary,
+        UNITS,
+        _looks,
+    ),
+)

@@ -1,74 +1,55 @@
-"""MATLAB's MAT files (up to version 7): one matrix, a sample a row, columns by number."""
+"""MATLAB's MAT files and HDF5 files: a matrix with a sample a row, or an array for each sensor.
+
+A matrix is named by `--variable`, its columns by number.  Arrays are named by `--gyro-columns` and
+its like, as `gyro`, as `imu.gyro` in a structure, or as `gyro:2,gyro:3,gyro:4` where a matrix has
+other columns too; or found by their names, if there is one of each.  Stamps are seconds unless the
+user says otherwise.
+"""
 
 from __future__ import annotations
 
-import struct
-import zlib
-from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.readers import Advance, Clock, Recording, Samples, Unit
+from sculler.readers import Recording
+from sculler.readers.apart import open_arrays, told
+from sculler.readers.format import COLUMNS, Format, Request, begins
+from sculler.readers.named import read_named
 from sculler_model.errors import InputError
 
-_CHUNK_ROWS = 1 << 16
+_SMALL = 64  # elements of what may be a vector of biases
 
 
-def read_mat(
-    path: Path,
-    variable: str | None,
-    columns: Sequence[int],
-    time: int | None,
-    gyro: Unit,
-    accel: Unit,
-    time_unit: str,
-    advance: Advance,
-) -> Recording:
-    """A variable of a MAT file.
-
-    Args:
-        path: the file.
-        variable: its name.
-        columns: six column numbers (from 1), gyro x, y, z, accelerometer x, y, z.
-        time: number of the time column, or None.
-        gyro, accel: the units.
-        time_unit: of the time column, of `TIME_UNITS`.
-        advance: told the bytes read: the whole file, once it is loaded.
+def read_mat(path: Path, request: Request) -> Recording:
+    """The samples of a MAT or HDF5 file, loaded whole.
 
     Raises:
-        InputError: scipy is absent, the file is no MAT file or of version 7.3, or there is no such
-            matrix.
+        InputError: the library is absent, the file is at fault, or has no such arrays; the message
+            lists what it has.
     """
-    matrix = _matrix(path, variable)
-    wanted = [*columns, *([] if time is None else [time])]
-    for column in wanted:
-        if not 1 <= column <= matrix.shape[1]:
-            raise InputError(
-                f"{path}: {variable} has columns 1 to {matrix.shape[1]}, not {column}; give"
-                " --gyro-columns and --accel-columns"
-            )
-    advance(path.stat().st_size)
-    clock = None if time is None else Clock(time_unit)
-    notes = {"columns": f"{variable}: " + ", ".join(map(str, columns))}
-    if time is not None:
-        notes["time stamps"] = f"column {time}, {time_unit}"
+    with open_arrays(path, _enough(request)) as arrays:
+        recording = read_named(arrays, request, whole_is_ns=False)
+    request.advance(path.stat().st_size)
+    return recording
 
-    def chunks() -> Iterator[Samples]:
-        for first in range(0, len(matrix), _CHUNK_ROWS):
-            part = matrix[first : first + _CHUNK_ROWS, [column - 1 for column in wanted]]
-            if not np.isfinite(part).all():
-                row, at = (int(i) for i in np.argwhere(~np.isfinite(part))[0])
-                raise InputError(
-                    f"{path}: {variable}({first + row + 1}, {wanted[at]}) is"
-                    f" {part[row, at]}, give a finite number"
-                )
-            times = None if clock is None else clock(part[:, len(columns)])
-            yield Samples(part[:, : len(columns)], times=times)
 
-    return Recording(gyro, accel, chunks(), clock=clock, notes=notes)
+def _enough(request: Request) -> list[str]:
+    """The variables that the user names, if these are all that are needed."""
+    if request.variable is not None:
+        names = [request.variable]
+    elif request.gyro_names is not None and request.accel_names is not None:
+        names = [*request.gyro_names, *request.accel_names]
+        if request.time is None:
+            return []
+    else:
+        return []
+    if request.time is not None and not request.time.isdecimal():
+        names.append(request.time)
+    tops = {name.rpartition(":")[0] or name for name in names}
+    return sorted({name.partition(".")[0].partition("(")[0] for name in tops})
 
 
 def mat_vector(path: Path, variable: str) -> tuple[float, float, float]:
@@ -77,74 +58,62 @@ def mat_vector(path: Path, variable: str) -> tuple[float, float, float]:
     Raises:
         InputError: as `read_mat`, or the variable is no such vector.
     """
-    matrix = _matrix(path, variable)
-    if matrix.size != 3 or not np.isfinite(matrix).all():
+    stat = path.stat() if path.exists() else None
+    vectors, listed = _small(path, None if stat is None else (stat.st_mtime_ns, stat.st_size))
+    if variable not in vectors:
+        raise InputError(
+            f"{path}: no variable {variable!r} with a vector of three numbers; the file has"
+            f" {listed}"
+        )
+    value = vectors[variable]
+    if value.size != 3 or not np.isfinite(value).all():
         raise InputError(f"{path}: {variable} is not a vector of three finite numbers")
-    x, y, z = matrix.ravel().tolist()
+    x, y, z = value.astype(np.float64).ravel().tolist()
     return x, y, z
+
+
+@lru_cache(maxsize=1)
+def _small(path: Path, version: object) -> tuple[dict[str, NDArray[np.generic]], str]:
+    """The small arrays of real numbers, and what the file holds; kept while it does not change."""
+    with open_arrays(path) as arrays:
+        few = [
+            name
+            for name, shape in arrays.listing.items()
+            if shape.is_real and int(np.prod(shape.shape)) <= _SMALL
+        ]
+        return {name: arrays[name] for name in few}, told(arrays.listing)
 
 
 def mat_columns(path: Path) -> dict[str, NDArray[np.float64]]:
     """The vectors of real numbers of a MAT file by their names, each (N,).
 
     Raises:
-        InputError: scipy is absent, or the file is no MAT file or of version 7.3.
+        InputError: the library is absent, or the file is at fault.
     """
-    return {
-        name: value.astype(np.float64).ravel()
-        for name, value in _load(path, None).items()
-        if _is_matrix(value) and 1 in value.shape
-    }
+    with open_arrays(path) as arrays:
+        return {
+            name: arrays[name].astype(np.float64).ravel()
+            for name, shape in arrays.listing.items()
+            if shape.is_real and len(shape.shape) == 2 and 1 in shape.shape
+        }
 
 
-def _matrix(path: Path, variable: str | None) -> NDArray[np.float64]:
-    """The variable as a matrix of floats."""
-    if variable is None:
-        raise InputError(f"{path}: give --variable, one of {', '.join(_load(path, None))}")
-    variables = _load(path, variable)
-    if variable not in variables:
-        raise InputError(
-            f"{path}: no variable {variable!r}, give --variable, one of"
-            f" {', '.join(_load(path, None))}"
-        )
-    value = variables[variable]
-    if not _is_matrix(value):
-        raise InputError(f"{path}: {variable} is not a matrix of real numbers, give another")
-    if not len(value):
-        raise InputError(f"{path}: {variable} has no rows, give samples")
-    matrix: NDArray[np.float64] = value.astype(np.float64)
-    return matrix
-
-
-def _is_matrix(value: Any) -> bool:
-    return isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind in "iuf"
-
-
-def _load(path: Path, variable: str | None) -> dict[str, Any]:
-    """A variable of the file, or all of them."""
-    try:
-        from scipy.io import loadmat
-        from scipy.io.matlab import MatReadError
-    except ImportError as error:
-        raise InputError(
-            f"{path}: reading MAT files needs scipy, run: pip install 'sculler[formats]'"
-        ) from error
-    try:
-        found = loadmat(path, variable_names=None if variable is None else [variable])
-    except NotImplementedError as error:
-        raise InputError(
-            f"{path}: a MAT file of version 7.3, save it again with MATLAB's save -v7"
-        ) from error
-    except OSError as error:
-        if error.strerror is None:  # scipy's own
-            raise _not_whole(path, error) from error
-        raise InputError(
-            f"{path}: cannot read the log ({error.strerror}), check the path"
-        ) from error
-    except (MatReadError, ValueError, TypeError, KeyError, struct.error, zlib.error) as error:
-        raise _not_whole(path, error) from error
-    return {name: value for name, value in found.items() if not name.startswith("__")}
-
-
-def _not_whole(path: Path, error: Exception) -> InputError:
-    return InputError(f"{path}: not a whole MAT file ({error}), write it again")
+_OPTIONS = COLUMNS | {"variable"}
+FORMATS = (
+    Format(
+        "mat",
+        "MATLAB's MAT files, a matrix or an array for each sensor",
+        read_mat,
+        _OPTIONS,
+        begins(b"MATLAB "),
+        (".mat",),
+    ),
+    Format(
+        "hdf5",
+        "HDF5 files, likewise",
+        read_mat,
+        _OPTIONS,
+        begins(b"\x89HDF\r\n\x1a\n"),
+        (".h5", ".hdf5"),
+    ),
+)

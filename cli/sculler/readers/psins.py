@@ -14,20 +14,21 @@ from pathlib import Path
 from typing import TextIO
 
 from sculler.logs import COUNTS
-from sculler.readers import Advance, Recording, Samples, Unit
+from sculler.readers import Recording, Samples, Unit
+from sculler.readers.format import Format, Request, begins
 from sculler.readers.text import Column, number_rows, open_text
-from sculler_model.design import Design
 from sculler_model.errors import InputError
 
 _ARCSECOND = pi / 180 / 3600
 
 
-def read_psins(path: Path, design: Design, advance: Advance) -> Recording:
+def read_psins(path: Path, request: Request) -> Recording:
     """A laser-gyro log; its sampling interval must be the design's.
 
     Raises:
         InputError: the file cannot be read or its head is at fault.
     """
+    design = request.design
     with open_text(path) as file:
         lines, attitude, place, scales = _head(file, path)
     latitude, longitude, height, _, interval_ms, g = place
@@ -45,7 +46,7 @@ def read_psins(path: Path, design: Design, advance: Advance) -> Recording:
         with open_text(path) as file:
             for _ in range(lines):
                 file.readline()
-            for rows in number_rows(file, path, lines + 1, columns, None, advance):
+            for rows in number_rows(file, path, lines + 1, columns, None, request.advance):
                 yield Samples(rows.values)
 
     return Recording(
@@ -81,3 +82,14 @@ def _head(file: TextIO, path: Path) -> tuple[int, list[float], list[float], list
             raise InputError(f"{path}: line {number}: give six numbers, as PSINS logs have there")
         facts.append(values)
     return number, *facts  # type: ignore[return-value]
+
+
+FORMATS = (
+    Format(
+        "psins",
+        "text logs of PSINS, integer increments under a head",
+        read_psins,
+        looks=begins(b"% PSINS"),
+        suffixes=(".imu",),
+    ),
+)

@@ -1,9 +1,16 @@
-"""Rows of numbers in text files, streaming, with every fault named by its line and column."""
+"""Rows of numbers in text files, streaming, with every fault named by its line and column.
+
+A text is UTF-8, or UTF-16 or UTF-32 with a byte order mark.  What follows a `#` is a comment, on a
+line of its own or after a row.  Numbers may have a decimal comma, throughout.
+"""
 
 from __future__ import annotations
 
+import codecs
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from decimal import Decimal
 from itertools import islice
 from math import isfinite
 from pathlib import Path
@@ -13,9 +20,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.readers import Advance
+from sculler.readers.signatures import HEAD_BYTES, told
 from sculler_model.errors import InputError
+from sculler_sim.files import open_lines
 
+COMMENT = "#"
 _CHUNK_ROWS = 1 << 14
+_MARKS = (  # the longer first: a mark of UTF-32 begins with one of UTF-16
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+_ROUNDED = re.compile(r"[+-]?\d{1,20}(?:\.\d{0,20})?[eE]\+?\d{1,2}")
 
 
 class Column(NamedTuple):
@@ -26,28 +43,59 @@ class Column(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Consecutive rows: (N, columns) numbers and (N, whole columns) whole numbers."""
+    """Consecutive rows: (N, columns) numbers and (N, whole columns) whole numbers.
+
+    `rounded` is the first whole number that was written with an exponent, as spreadsheets do.
+    """
 
     values: NDArray[np.float64]
     whole: NDArray[np.int64]
+    rounded: str | None = None
 
 
 @contextmanager
 def open_text(path: Path) -> Iterator[TextIO]:
-    """A text file in UTF-8.
+    """A text file.
 
     Raises:
-        InputError: it cannot be opened, or (within the context) proves to be no such text.
+        InputError: it cannot be opened, or (within the context) proves to be no such text; names
+            what it is, if that is known.
     """
     try:
-        with path.open(encoding="utf-8-sig") as file:
+        with open_lines(path, encoding=_encoding(path)) as file:
             yield file
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file in UTF-8, check --format") from error
+    except UnicodeError as error:
+        where = f" at byte {error.start:,}" if isinstance(error, UnicodeDecodeError) else ""
+        raise InputError(
+            f"{path}: not a text file in UTF-8{where}, save it as UTF-8 (of raw datagrams say whose"
+            " with --format)"
+        ) from error
     except OSError as error:
         raise InputError(
             f"{path}: cannot read the log ({error.strerror}), check the path"
         ) from error
+
+
+def _encoding(path: Path) -> str:
+    """How the text is encoded, by its byte order mark.
+
+    Raises:
+        InputError: it is no text.
+    """
+    with path.open("rb") as file:
+        head = file.read(HEAD_BYTES)
+    for mark, name in _MARKS:
+        if head.startswith(mark):
+            return name
+    known = told(head)
+    if known is not None:
+        raise InputError(f"{path}: {known}")
+    if b"\0" in head:
+        raise InputError(
+            f"{path}: no text, byte {head.index(0):,} is 0; check --format (of raw datagrams it"
+            " says whose they are)"
+        )
+    return "utf-8-sig"
 
 
 def number_rows(
@@ -58,6 +106,7 @@ def number_rows(
     delimiter: str | None,
     advance: Advance,
     whole: Sequence[Column] = (),
+    decimal: str = ".",
 ) -> Iterator[Rows]:
     """The given columns of the rest of a file, chunk by chunk.
 
@@ -68,6 +117,7 @@ def number_rows(
         delimiter: between values; None for any white space.
         advance: told the characters read.
         whole: columns to read as whole numbers, no digit lost.
+        decimal: the mark before the decimals, a point or a comma.
 
     Raises:
         InputError: a row is too short, a value is no finite (or whole) number, the last line is cut
@@ -83,27 +133,98 @@ def number_rows(
                 f"{path}: line {line + len(lines) - 1}: the last line has no line end, so the file"
                 " seems cut short; write it again (or end the line, if it is whole)"
             )
-        if any(not text.isspace() for text in lines):
+        if decimal == ",":
+            _require_no_point(lines, path, line, (*columns, *whole), delimiter)
+            lines = [text.replace(",", ".") for text in lines]
+        if any(is_content(text) for text in lines):
+            rounded = None
             try:
-                table = np.loadtxt(
-                    lines,
-                    dtype=kinds,
-                    delimiter=delimiter,
-                    usecols=places,
-                    ndmin=1,
-                    comments=None,
-                    quotechar='"',
-                )
+                table = _table(lines, kinds, delimiter, places)
             except (ValueError, OverflowError) as error:
-                _explain(lines, path, line, columns, whole, delimiter)
-                raise InputError(f"{path}: from line {line} on: {error}") from error
+                mended, rounded = _with_whole(lines, whole, delimiter)
+                if rounded is None:
+                    _explain(lines, path, line, columns, whole, delimiter)
+                    raise InputError(f"{path}: from line {line} on: {error}") from error
+                try:
+                    table = _table(mended, kinds, delimiter, places)
+                except (ValueError, OverflowError) as other:
+                    _explain(mended, path, line, columns, whole, delimiter)
+                    raise InputError(f"{path}: from line {line} on: {other}") from other
             if not np.isfinite(table["values"]).all():
                 _explain(lines, path, line, columns, whole, delimiter)
             rows += len(table)
-            yield Rows(table["values"], table["whole"])
+            yield Rows(table["values"], table["whole"], rounded)
         line += len(lines)
     if not rows:
         raise InputError(f"{path}: the log has no samples, give some")
+
+
+def is_content(line: str) -> bool:
+    """Whether a line is neither blank nor a comment."""
+    text = line.lstrip()
+    return bool(text) and not text.startswith(COMMENT)
+
+
+def _table(
+    lines: list[str], kinds: np.dtype[np.void], delimiter: str | None, places: Sequence[int]
+) -> NDArray[np.void]:
+    table: NDArray[np.void] = np.loadtxt(
+        lines,
+        dtype=kinds,
+        delimiter=delimiter,
+        usecols=places,
+        ndmin=1,
+        comments=COMMENT,
+        quotechar='"',
+    )
+    return table
+
+
+def _with_whole(
+    lines: list[str], whole: Sequence[Column], delimiter: str | None
+) -> tuple[list[str], str | None]:
+    """The lines with whole numbers that have an exponent written out, and the first of them."""
+    mended, first = [], None
+    places = [column.place for column in whole]
+    for line in lines:
+        cells = line.split(delimiter)
+        for place in places:
+            cell = cells[place].strip().strip('"') if place < len(cells) else ""
+            if not _ROUNDED.fullmatch(cell):
+                continue
+            value = Decimal(cell)
+            if value == value.to_integral_value() and abs(value) < 2**63:
+                first = first or cell
+                cells[place] = str(int(value))
+        mended.append((delimiter or " ").join(cells).rstrip("\r\n") + "\n")
+    return mended, first
+
+
+def _require_no_point(
+    lines: list[str],
+    path: Path,
+    first: int,
+    columns: Sequence[Column],
+    delimiter: str | None,
+) -> None:
+    """Whether no number has a point, in a file of decimal commas: as if for thousands.
+
+    Raises:
+        InputError: one has.
+    """
+    if not any("." in line for line in lines):
+        return
+    for number, line in enumerate(lines, start=first):
+        if "." not in line or not is_content(line):
+            continue
+        cells = line.partition(COMMENT)[0].split(delimiter)
+        for column in columns:
+            if column.place < len(cells) and "." in cells[column.place]:
+                cell = cells[column.place].strip()
+                raise InputError(
+                    f"{path}: line {number}: {column.name} is {cell[:40]!r}, but other numbers have"
+                    " a decimal comma; write all alike, without marks for thousands"
+                )
 
 
 def _explain(
@@ -120,9 +241,9 @@ def _explain(
         InputError: there is one.
     """
     for number, line in enumerate(lines, start=first):
-        if line.isspace():
+        if not is_content(line):
             continue
-        cells = line.split(delimiter)
+        cells = line.partition(COMMENT)[0].split(delimiter)
         for column in (*columns, *whole):
             where = f"{path}: line {number}: {column.name}"
             if column.place >= len(cells):

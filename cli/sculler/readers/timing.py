@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import Literal
 
@@ -11,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.readers import Recording, Samples
+from sculler.readers.rollover import Rollover, Unwrapper
+from sculler.stamps import Shift, ShiftFinder, wrong_rate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.sampling import Kind, Resampler
@@ -18,15 +21,16 @@ from sculler_model.sampling import Kind, Resampler
 Gaps = Literal["refuse", "bridge", "ignore"]
 Steps = Literal["even", "resample"]
 
-_TOLERANCE = 0.01  # of the interval: clocks are better than this, wrong rates are worse
-_JITTER = 0.5  # intervals by which the first and the last stamp may stray
-_GAP = 1.5  # intervals: beyond this a sample is missing
+_TOLERANCE = 0.01  # of the interval: beyond this steps are unequal
+_STRAY = 0.75  # intervals: a stamp further from its place is passed over
+_EVEN = 0.05  # intervals: stamps this near to even steps are in their places
+_FOLLOW = 0.1  # of a stamp's distance from its place, by which the next places follow
 _LISTED = 100  # gaps kept one by one; the rest are counted only
 
 
 @dataclass(frozen=True)
 class Gap:
-    """A step that is longer than 1.5 intervals.
+    """A lasting shift of the stamps: samples are missing.
 
     Attributes:
         sample: number of the first sample after it, in the file from 0 (or from --start on).
@@ -53,6 +57,12 @@ class TimingReport:
         unequal: steps that differ by more than 1 % from the interval, gaps left out.
         gap_count, missing: gaps, and samples missing in them, in all.
         gaps: the first of them.
+        repeated: stamps that do not grow.
+        twice: those of them whose values repeat the sample before, too.
+        passed_over: stamps too far from their places, which were taken instead.
+        first_passed_over: sample number of the first of them.
+        too_many: samples more than the stamps have time for.
+        rollovers: where the clock was full and began anew.
     """
 
     samples: int = 0
@@ -64,17 +74,27 @@ class TimingReport:
     gap_count: int = 0
     missing: int = 0
     gaps: list[Gap] = field(default_factory=list)
+    repeated: int = 0
+    twice: int = 0
+    passed_over: int = 0
+    first_passed_over: int | None = None
+    too_many: int = 0
+    rollovers: list[Rollover] = field(default_factory=list)
 
     @property
     def rate(self) -> float | None:
-        """Mean sample rate, Hz, samples missing in gaps counted; None with fewer than two."""
-        if self.samples < 2:
+        """Mean sample rate, Hz, samples missing in gaps counted; None where no time goes by."""
+        if self.samples < 2 or self.span <= 0:
             return None
         return (self.samples - 1 + self.missing) / self.span
 
 
 class Timing:
     """Checks the stamps of consecutive samples, and bridges gaps.
+
+    A gap is a lasting shift of the stamps (`sculler.stamps`); what evens out is jitter.  With even
+    steps a stamp that is more than three quarters of an interval from its place is passed over, and
+    the place taken.
 
     A bridge has a sample for every one that is missing, its values on the straight line from the
     last sample before the gap to the first after it, and `fault` set.  For rates this is the linear
@@ -88,6 +108,7 @@ class Timing:
         given: what its values are.
         gaps: refuse them, bridge them, or pass over them.
         max_gap: refuse to bridge a longer one, s.
+        steps: whether samples are one interval apart whatever their stamps say.
         start, stop: take the samples between these only, s of the file's clock; a stamp half an
             interval from them counts as on them.  An increment whose interval ends at `start`
             lies before it, a rate there is the first of all.
@@ -101,60 +122,90 @@ class Timing:
         given: Kind,
         gaps: Gaps,
         max_gap: float,
+        steps: Steps,
         start: float | None = None,
         stop: float | None = None,
     ) -> None:
         self._path, self._T = path, design.sample_interval
         self._clock, self._given = recording.clock, given
-        self._gaps, self._max_gap = gaps, max_gap
+        self._gaps, self._max_gap, self._steps = gaps, max_gap, steps
         self._start, self._stop = start, stop
-        self._last: Samples | None = None
-        self._read = 0
+        unit = "s" if recording.clock is None else recording.clock.unit
+        self._unwrapped = Unwrapper(unit, self._T)
+        self._finder = ShiftFinder(self._T)
+        self._waiting: list[Samples] = []  # taken, and not yet told whether a gap lies there
+        self._last: Samples | None = None  # the last sample given, its stamp as it was given
+        self._last_stamp = 0.0  # the same, as the file has it
+        self._place: float | None = None  # of the next sample, with even steps
+        self._uneven = False  # whether a stamp was not in its place so far
         self._begin = 0.0  # first stamp taken, on the scale of the samples' times
-        self.report = TimingReport()
+        self.report = TimingReport(rollovers=self._unwrapped.found)
 
-    def __call__(self, samples: Samples) -> Samples:
-        """The next samples, those before `start` and after `stop` left out, gaps bridged.
+    def __call__(self, chunks: Iterator[Samples]) -> Iterator[Samples]:
+        """The samples, those before `start` and after `stop` left out, gaps bridged.
 
         Raises:
-            InputError: time does not grow, the first samples show another sample rate, or there is
-                a gap that is not to be bridged.
+            InputError: time goes back for good, the first samples show another sample rate, or
+                there is a gap that is not to be bridged; to resample, any stamp that does not grow.
         """
-        assert samples.times is not None
-        times = samples.times
-        if self._last is not None and self._last.times is not None:
-            times = np.concatenate([self._last.times, times])
-        self._require_growth(times, self._read - (len(times) - len(samples.times)))
-        if not self._read and len(times) > 1:
-            self._require_rate(np.diff(times))
-        self._read += len(samples.times)
-        last_read = Samples(samples.values[-1:], None, samples.times[-1:])
-        samples = self._within(samples)
-        if samples.times is not None and len(samples.times):
-            # what lies before the start is no neighbour
-            joined = samples if not self.report.samples else _join(self._last, samples)
-            samples = self._step(joined, samples)
-        self._last = last_read
-        return samples
+        for chunk in chain(chunks, [None]):
+            if chunk is not None:
+                assert chunk.times is not None
+                chunk = self._within(chunk._replace(times=self._unwrapped(chunk.times)))
+                if not len(chunk.values):
+                    continue
+                if self._steps == "resample":
+                    self._require_growth(chunk, chunks)
+                self._waiting.append(chunk)
+            if not self._waiting:
+                return
+            times = np.empty(0) if chunk is None or chunk.times is None else chunk.times
+            shifts = self._finder(times, last=chunk is None)
+            waiting = _joined(self._waiting)
+            count = self._finder.decided - self.report.samples
+            if not count:
+                self._waiting = [waiting]
+                continue
+            if not self.report.samples:
+                self._require_rate(waiting, shifts, count)
+            self._waiting = [_part(waiting, count, None)] if count < len(waiting.values) else []
+            yield self._given_on(_part(waiting, 0, count), shifts)
 
-    def _require_growth(self, times: NDArray[np.float64], first: int) -> None:
-        steps = np.diff(times)
-        if not (steps <= 0).any():
-            return
-        at = int(np.argmax(steps <= 0))
-        what = "repeats the stamp before" if steps[at] == 0 else f"goes back by {-steps[at]:.6g} s"
+    def _require_growth(self, chunk: Samples, rest: Iterator[Samples]) -> None:
+        """Whether the stamps grow; if not, the rest is read to count those that do not."""
+        before = self._waiting[-1] if self._waiting else self._last
+        number = self.report.samples + sum(len(each.values) for each in self._waiting)
+        wrong, first, told = 0, None, ""
+        for samples in chain([chunk], rest):
+            assert samples.times is not None
+            times = samples.times
+            if samples is not chunk:
+                samples = self._within(samples._replace(times=self._unwrapped(times)))
+                times = times if samples.times is None else samples.times
+            if before is not None and before.times is not None:
+                times = np.concatenate([before.times[-1:], times])
+            bad = np.flatnonzero(np.diff(times) <= 0)
+            if first is None and not len(bad):
+                return
+            if first is None:
+                at = int(bad[0])
+                first = number + at + (0 if before is not None else 1)
+                told = _step_back(times[at], times[at + 1], self._absolute(float(times[at])))
+            wrong += len(bad)
+            before = samples if len(samples.values) else before
+        more = f" ({wrong:,} such samples in all)" if wrong > 1 else ""
         raise InputError(
-            f"{self._path}: sample {first + at + 1}: time does not grow, it {what}"
-            f" ({self._absolute(times[at]):.9f} s); take the sample out or mend the stamps"
+            f"{self._path}: sample {first}: time does not grow, it {told}{more}; give --steps even"
+            " to take samples as one interval apart, or --time-column none"
         )
 
-    def _require_rate(self, steps: NDArray[np.float64]) -> None:
+    def _require_rate(self, samples: Samples, shifts: list[Shift], count: int) -> None:
         """Whether the first steps are the design's, on the average: jitter and gaps are allowed."""
-        count = max(float(np.rint(steps / np.median(steps)).sum()), 1.0)  # gaps are many intervals
-        usual = float(steps.sum()) / count
-        if abs(usual / self._T - 1) > _TOLERANCE + _JITTER / count:
+        assert samples.times is not None
+        rate = wrong_rate(samples.times[:count], shifts, self._T)
+        if rate is not None:
             raise InputError(
-                f"{self._path}: the time column shows {1 / usual:.6g} Hz but"
+                f"{self._path}: the time column shows {rate:.6g} Hz but"
                 f" sensor.sample_rate_hz = {1 / self._T:.6g}, change one of them (or --time-unit)"
             )
 
@@ -176,39 +227,110 @@ class Timing:
         faults = None if samples.faults is None else samples.faults[keep]
         return Samples(samples.values[keep], faults, samples.times[keep])
 
-    def _step(self, joined: Samples, samples: Samples) -> Samples:
-        """The samples, with bridges; `joined` has the sample before them too."""
-        assert joined.times is not None
+    def _given_on(self, samples: Samples, shifts: list[Shift]) -> Samples:
+        """The next samples, with bridges over the gaps among them."""
+        assert samples.times is not None
         report, T = self.report, self._T
-        if not report.samples:
-            self._begin = float(joined.times[0])
+        first = report.samples  # number of the first of them
+        if not first:
+            self._begin = float(samples.times[0])
             report.start = self._absolute(self._begin)
-        before = len(joined.times) - len(samples.values)
-        steps = np.diff(joined.times)
-        at = np.flatnonzero(steps > _GAP * T)
-        missing = np.rint(steps[at] / T).astype(np.int64) - 1
-        plain = np.delete(steps, at)
-        if len(plain):
-            report.longest_step = max(report.longest_step, float(plain.max()))
-            report.shortest_step = min(report.shortest_step, float(plain.min()))
-            report.unequal += int((np.abs(plain / T - 1) > _TOLERANCE).sum())
-        for row, count in zip(at.tolist(), missing.tolist(), strict=True):
-            gap = Gap(
-                report.samples - before + row + 1,
-                self._absolute(float(joined.times[row])),
-                float(steps[row]),
-                count,
-            )
+        stamps = samples.times if not first else np.append(self._last_stamp, samples.times)
+        before = len(stamps) - len(samples.times)
+        gaps = [shift for shift in shifts if shift.missing > 0]
+        self._note_stamps(samples, stamps, gaps, first)
+        for shift in shifts:
+            self._require_forward(shift)
+        at = np.array([gap.sample - first + before - 1 for gap in gaps], np.int64)
+        missing = np.array([gap.missing for gap in gaps], np.int64)
+        for shift in gaps:
+            gap = Gap(shift.sample, self._absolute(shift.time), shift.seconds, shift.missing)
             self._require_bridge(gap)
             if len(report.gaps) < _LISTED:
                 report.gaps.append(gap)
-        report.gap_count += len(at)
+        report.gap_count += len(gaps)
         report.missing += int(missing.sum())
+        report.too_many += sum(-shift.missing for shift in shifts if shift.missing < 0)
         report.samples += len(samples.values)
-        report.span = float(joined.times[-1]) - self._begin
-        if self._gaps != "bridge" or not len(at):
+        report.span = float(stamps[-1]) - self._begin
+        if self._steps == "even":
+            samples = samples._replace(times=self._placed(samples.times, at + 1 - before, first))
+        joined = _join(self._last, samples)
+        self._last = Samples(samples.values[-1:], None, _last_time(samples))
+        self._last_stamp = float(stamps[-1])
+        if self._gaps != "bridge" or not len(gaps):
             return samples
         return _bridged(joined, at, missing, T if self._given == "increment" else None, before)
+
+    def _note_stamps(
+        self, samples: Samples, stamps: NDArray[np.float64], gaps: list[Shift], first: int
+    ) -> None:
+        """Count what the steps are; `stamps` has that of the sample before, if there is one."""
+        report = self.report
+        steps = np.diff(stamps)
+        before = len(stamps) - len(samples.values)
+        plain = np.delete(steps, [gap.sample - first + before - 1 for gap in gaps])
+        if len(plain):
+            report.longest_step = max(report.longest_step, float(plain.max()))
+            report.shortest_step = min(report.shortest_step, float(plain.min()))
+            report.unequal += int((np.abs(plain / self._T - 1) > _TOLERANCE).sum())
+        report.repeated += int((steps <= 0).sum())
+        values = samples.values
+        if before and self._last is not None:
+            values = np.concatenate([self._last.values, values])
+        same = (values[1:] == values[:-1]).all(axis=1)
+        report.twice += int((same & (steps == 0)).sum())
+
+    def _placed(
+        self, times: NDArray[np.float64], gaps: NDArray[np.int64], first: int
+    ) -> NDArray[np.float64]:
+        """The stamps, each that strays replaced by its place.
+
+        Places are one interval apart, and follow the stamps that do not stray slowly.
+
+        Args:
+            times: (N,) stamps.
+            gaps: numbers among them of the first samples after gaps.
+            first: number of the first of them.
+        """
+        T = self._T
+        if self._place is None:
+            self._place = float(times[0])
+        if not self._uneven:
+            steps = np.diff(times, prepend=self._place - T if not first else self._last_stamp)
+            steps[gaps] = T
+            if (np.abs(steps - T) <= _EVEN * T).all():
+                self._place = float(times[-1]) + T
+                return times
+            self._uneven = True
+        after_gap = set(gaps.tolist())
+        placed: list[float] = times.tolist()
+        place, allowed = self._place, _STRAY * T
+        for at, stamp in enumerate(placed):
+            off = stamp - place
+            if at in after_gap and off > 0:
+                place = stamp
+            elif -allowed <= off <= allowed:
+                place += _FOLLOW * off
+            else:
+                if self.report.first_passed_over is None:
+                    self.report.first_passed_over = first + at
+                self.report.passed_over += 1
+                placed[at] = place
+            place += T
+        self._place = place
+        return np.array(placed)
+
+    def _require_forward(self, shift: Shift) -> None:
+        """Whether time does not go back for good, in a log that is not split there."""
+        if shift.seconds >= 0 or shift.missing > 0:
+            return
+        raise InputError(
+            f"{self._path}: sample {shift.sample}: time does not grow, it goes back by"
+            f" {-shift.seconds:.6g} s for good (after {self._absolute(shift.time):.6f} s), as where"
+            " a clock was set or two logs are in one; cut the log there, or give --time-column none"
+            " to go by the sample rate"
+        )
 
     def _require_bridge(self, gap: Gap) -> None:
         where = (
@@ -222,6 +344,35 @@ class Timing:
                 f"{where} is longer than --max-gap {self._max_gap:g}, give more or cut the log with"
                 " --start and --stop"
             )
+
+
+def _step_back(before: float, after: float, at: float) -> str:
+    what = "repeats the stamp before" if after == before else f"goes back by {before - after:.6g} s"
+    return f"{what} ({at:.9f} s)"
+
+
+def _last_time(samples: Samples) -> NDArray[np.float64] | None:
+    return None if samples.times is None else samples.times[-1:]
+
+
+def _joined(chunks: list[Samples]) -> Samples:
+    if len(chunks) == 1:
+        return chunks[0]
+    values, faults, times = zip(*chunks, strict=True)
+    return Samples(
+        np.concatenate(values),
+        None if faults[0] is None else np.concatenate(faults),
+        np.concatenate(times),
+    )
+
+
+def _part(samples: Samples, begin: int, end: int | None) -> Samples:
+    values, faults, times = samples
+    return Samples(
+        values[begin:end],
+        None if faults is None else faults[begin:end],
+        None if times is None else times[begin:end],
+    )
 
 
 def _join(last: Samples | None, samples: Samples) -> Samples:
@@ -280,17 +431,31 @@ def resampled(
         chunks: in order.
         resampler: what brings them there.
         interval: of the samples, s.
-        steps: `resample` goes by the stamps; `even` takes the samples as one interval apart.
+        steps: `resample` goes by the stamps, and gives the grid's instants; `even` takes the
+            samples as one interval apart, so that each point of the grid is a sample's and has its
+            stamp.
     """
-    count = 0
-    for chunk in chunks:
-        times = chunk.times
-        if steps == "even" or times is None:
+    count = passed = 0
+    stamps = np.empty(0)  # from sample `passed` on
+    for chunk in chain(chunks, [None]):
+        if chunk is None:
+            given = resampler.finish()
+        else:
             times = np.arange(count, count + len(chunk.values), dtype=np.float64) * interval
-        count += len(chunk.values)
-        given = resampler(times, chunk.values, chunk.faults)
-        if len(given.values):
-            yield Samples(given.values, given.faults)
-    given = resampler.finish()
-    if len(given.values):
-        yield Samples(given.values, given.faults)
+            count += len(chunk.values)
+            stamped = chunk.times is not None
+            if chunk.times is not None and steps == "even":
+                stamps = np.concatenate([stamps, chunk.times])
+            elif chunk.times is not None:
+                times = chunk.times
+            given = resampler(times, chunk.values, chunk.faults)
+        if not len(given.values):
+            continue
+        at: NDArray[np.float64] | None = given.times
+        if not stamped:
+            at = None
+        elif steps == "even":
+            number = np.rint(given.times / interval).astype(np.int64)
+            at = stamps[number - passed]
+            passed, stamps = int(number[-1]) + 1, stamps[number[-1] + 1 - passed :]
+        yield Samples(given.values, given.faults, at)

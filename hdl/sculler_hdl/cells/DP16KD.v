@@ -1,11 +1,16 @@
-// DP16KD of the ECP5 as sculler uses it: written through port A, read through port B with its
-// output register, one clock for both; 1024 words of 18 bits or 2048 of 9.
+// DP16KD of the ECP5, written through port A and read through port B, with its output register or
+// without, one clock for both; 1024 words of 18 bits or 2048 of 9.  It has every input, and of the
+// outputs only those of port B.
+`ifndef SCULLER_MODEL_DP16KD
+`define SCULLER_MODEL_DP16KD
 module DP16KD (
   CLKA, CEA, OCEA, WEA, RSTA, CSA0, CSA1, CSA2, CLKB, CEB, OCEB, WEB, RSTB, CSB0, CSB1, CSB2,
   ADA13, ADA12, ADA11, ADA10, ADA9, ADA8, ADA7, ADA6, ADA5, ADA4, ADA3, ADA2, ADA1, ADA0,
   ADB13, ADB12, ADB11, ADB10, ADB9, ADB8, ADB7, ADB6, ADB5, ADB4, ADB3, ADB2, ADB1, ADB0,
   DIA17, DIA16, DIA15, DIA14, DIA13, DIA12, DIA11, DIA10, DIA9, DIA8, DIA7, DIA6, DIA5, DIA4,
   DIA3, DIA2, DIA1, DIA0,
+  DIB17, DIB16, DIB15, DIB14, DIB13, DIB12, DIB11, DIB10, DIB9, DIB8, DIB7, DIB6, DIB5, DIB4,
+  DIB3, DIB2, DIB1, DIB0,
   DOB17, DOB16, DOB15, DOB14, DOB13, DOB12, DOB11, DOB10, DOB9, DOB8, DOB7, DOB6, DOB5, DOB4,
   DOB3, DOB2, DOB1, DOB0
 );
@@ -17,7 +22,10 @@ module DP16KD (
   parameter WRITEMODE_B = "NORMAL";
   parameter CSDECODE_A = "0b000";
   parameter CSDECODE_B = "0b000";
+  parameter CLKAMUX = "CLKA";
+  parameter CLKBMUX = "CLKB";
   parameter RESETMODE = "SYNC";
+  parameter ASYNC_RESET_RELEASE = "SYNC";
   parameter GSR = "DISABLED";
   parameter [319:0] INITVAL_00 = 320'd0;
   parameter [319:0] INITVAL_01 = 320'd0;
@@ -89,6 +97,8 @@ module DP16KD (
   input ADB13, ADB12, ADB11, ADB10, ADB9, ADB8, ADB7, ADB6, ADB5, ADB4, ADB3, ADB2, ADB1, ADB0;
   input DIA17, DIA16, DIA15, DIA14, DIA13, DIA12, DIA11, DIA10, DIA9, DIA8, DIA7, DIA6, DIA5, DIA4,
     DIA3, DIA2, DIA1, DIA0;
+  input DIB17, DIB16, DIB15, DIB14, DIB13, DIB12, DIB11, DIB10, DIB9, DIB8, DIB7, DIB6, DIB5, DIB4,
+    DIB3, DIB2, DIB1, DIB0;
   output DOB17, DOB16, DOB15, DOB14, DOB13, DOB12, DOB11, DOB10, DOB9, DOB8, DOB7, DOB6, DOB5, DOB4,
     DOB3, DOB2, DOB1, DOB0;
 
@@ -102,11 +112,18 @@ module DP16KD (
     DIA17, DIA16, DIA15, DIA14, DIA13, DIA12, DIA11, DIA10, DIA9, DIA8, DIA7, DIA6, DIA5, DIA4,
     DIA3, DIA2, DIA1, DIA0
   };
+  wire [24:0] for_no_use_here_unused = {  // nothing is read at A, written at B or reset
+    WRITEMODE_A == "NORMAL", WRITEMODE_B == "NORMAL",
+    REGMODE_A == "NOREG", RESETMODE == "SYNC", ASYNC_RESET_RELEASE == "SYNC", GSR == "DISABLED",
+    OCEA,
+    DIB17, DIB16, DIB15, DIB14, DIB13, DIB12, DIB11, DIB10, DIB9, DIB8, DIB7, DIB6, DIB5, DIB4,
+    DIB3, DIB2, DIB1, DIB0
+  };
   reg [17:0] fetched, shown;
   assign {
     DOB17, DOB16, DOB15, DOB14, DOB13, DOB12, DOB11, DOB10, DOB9, DOB8, DOB7, DOB6, DOB5, DOB4,
     DOB3, DOB2, DOB1, DOB0
-  } = shown;
+  } = REGMODE_B == "NOREG" ? fetched : shown;
 
   // 64 rows of 16 places of 20 bits, the lower 18 of which are used
   localparam [20479:0] INITIAL = {
@@ -133,9 +150,9 @@ module DP16KD (
   wire [17:0] read_place = memory[read_address[13:4]];
   always @(posedge CLKA) begin
     if (CEA && WEA) begin
-      if (wide || !write_address[3])
+      if (wide ? write_address[0] : !write_address[3])
         memory[write_address[13:4]][8:0] <= write_data[8:0];
-      if (wide || write_address[3])
+      if (wide ? write_address[1] : write_address[3])
         memory[write_address[13:4]][17:9] <= wide ? write_data[17:9] : write_data[8:0];
     end
   end
@@ -148,19 +165,20 @@ module DP16KD (
   // what is not modelled must not pass unseen
   initial begin
     if ((DATA_WIDTH_A != 18 && DATA_WIDTH_A != 9) || DATA_WIDTH_A != DATA_WIDTH_B ||
-        REGMODE_A != "NOREG" || REGMODE_B != "OUTREG" || WRITEMODE_A != "NORMAL" ||
-        WRITEMODE_B != "NORMAL" || CSDECODE_A != "0b000" || CSDECODE_B != "0b000" ||
-        RESETMODE != "SYNC" || GSR != "DISABLED") begin
-      $display("DP16KD: this model is written at port A and read at port B with its register");
+        (REGMODE_B != "NOREG" && REGMODE_B != "OUTREG") ||
+        CSDECODE_A != "0b000" || CSDECODE_B != "0b000" ||
+        CLKAMUX != "CLKA" || CLKBMUX != "CLKB") begin
+      $display("DP16KD: parameters that this model has not");
       $finish;
     end
   end
   always @(posedge CLKA) begin
-    if (RSTA || CSA0 || CSA1 || CSA2 || !OCEA || WEB || RSTB || CSB0 || CSB1 || CSB2 ||
-        (wide ? write_address[3:0] != 4'd3 || read_address[3:0] != 4'd0 :
+    if (|{RSTA, CSA0, CSA1, CSA2, WEB, RSTB, CSB0, CSB1, CSB2} !== 1'b0 ||
+        (wide ? write_address[3:2] != 2'd0 || read_address[3:0] != 4'd0 :
                 write_address[2:0] != 3'd0 || read_address[2:0] != 3'd0)) begin
-      $display("DP16KD: this model is written at port A and read at port B with its register");
+      $display("DP16KD: this model is written at port A and read at port B");
       $finish;
     end
   end
 endmodule
+`endif

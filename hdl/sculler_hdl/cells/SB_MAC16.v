@@ -1,6 +1,11 @@
 // SB_MAC16 of the iCE40 UltraPlus as sculler uses it: one signed 16 x 16 multiplication with all of
-// its pipeline registers.
-module SB_MAC16 (CLK, CE, A, B, O);
+// its pipeline registers.  It has every input, and of the outputs only the product.
+`ifndef SCULLER_MODEL_SB_MAC16
+`define SCULLER_MODEL_SB_MAC16
+module SB_MAC16 (
+  CLK, CE, C, A, B, D, AHOLD, BHOLD, CHOLD, DHOLD, IRSTTOP, IRSTBOT, ORSTTOP, ORSTBOT,
+  OLOADTOP, OLOADBOT, ADDSUBTOP, ADDSUBBOT, OHOLDTOP, OHOLDBOT, CI, ACCUMCI, SIGNEXTIN, O
+);
   parameter [0:0] A_REG = 1'b1;
   parameter [0:0] B_REG = 1'b1;
   parameter [0:0] TOP_8x8_MULT_REG = 1'b1;
@@ -12,7 +17,9 @@ module SB_MAC16 (CLK, CE, A, B, O);
   parameter [0:0] A_SIGNED = 1'b1;
   parameter [0:0] B_SIGNED = 1'b1;
   input CLK, CE;
-  input [15:0] A, B;
+  input [15:0] C, A, B, D;
+  input AHOLD, BHOLD, CHOLD, DHOLD, IRSTTOP, IRSTBOT, ORSTTOP, ORSTBOT;
+  input OLOADTOP, OLOADBOT, ADDSUBTOP, ADDSUBBOT, OHOLDTOP, OHOLDBOT, CI, ACCUMCI, SIGNEXTIN;
   output [31:0] O;
 
   reg signed [15:0] a, b;
@@ -36,4 +43,12 @@ module SB_MAC16 (CLK, CE, A, B, O);
       $finish;
     end
   end
+  always @(posedge CLK) begin
+    if (|{C, D, AHOLD, BHOLD, CHOLD, DHOLD, IRSTTOP, IRSTBOT, ORSTTOP, ORSTBOT, OLOADTOP, OLOADBOT,
+          ADDSUBTOP, ADDSUBBOT, OHOLDTOP, OHOLDBOT, CI, ACCUMCI, SIGNEXTIN} !== 1'b0) begin
+      $display("SB_MAC16: this model has all inputs but the operands, CLK and CE at 0");
+      $finish;
+    end
+  end
 endmodule
+`endif

@@ -68,7 +68,7 @@ class CompactCore(wiring.Component):
         )
         take = self.sample_valid & self.sample_ready
         # once high it stays so until a sample is taken: nothing else makes these true
-        waits = loader.busy | (control.has_work & engine.busy) | control.blocked
+        waits = loader.busy | engine.starting | (control.has_work & engine.busy) | control.blocked
         m.d.sync += self.sample_ready.eq(~(take | waits))
         m.d.comb += [
             # a sample is loaded
@@ -98,7 +98,7 @@ class CompactCore(wiring.Component):
             samples.address.eq(engine.sample_address),
             engine.sample_data.eq(samples.data.as_signed()),
             results.write.eq(engine.store),
-            results.write_address.eq(Cat(engine.store_address, reader.filling)),
+            results.write_address.eq(Cat(engine.store_address, reader.filling ^ engine.bank)),
             results.write_data.eq(engine.store_data),
             # the result is read
             reader.publish.eq(engine.publish),

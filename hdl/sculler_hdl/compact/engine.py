@@ -19,7 +19,14 @@ from sculler_hdl.compact.memory import BlockMemory
 from sculler_hdl.compact.microcode import microcode
 from sculler_hdl.compact.pipeline import pipeline
 from sculler_hdl.compact.product import Product
-from sculler_hdl.compact.program import OPERAND, When, kept_samples, program, sample_words
+from sculler_hdl.compact.program import (
+    OPERAND,
+    When,
+    kept_samples,
+    program,
+    result_banks,
+    sample_words,
+)
 from sculler_model.design import Design
 from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
 from sculler_model.vectors import STATUS_LOST, STATUS_RAIL
@@ -36,9 +43,11 @@ class Engine(wiring.Component):
         conditions, slot (in): of the newest sample, looked at in the clock of `launch`.
         busy (out): from launch until the next sample with work may be taken.
         publish (out): the last of a major interval's words is being stored.
+        starting (out): from reset until the constants stand in their memories.
         step (out): a clock in which the pipeline moves on.
         sample_address (out), sample_data (in): to the sample memory, slot above index.
         store, store_address, store_data (out): to the result memory.
+        bank (out): of the result memory, that goes to, counted from the one being filled.
     """
 
     def __init__(self, design: Design, *, primitive: bool = True) -> None:
@@ -50,7 +59,7 @@ class Engine(wiring.Component):
         self.slot_bits = (kept_samples(design) - 1).bit_length()
         made = program(design)
         self.left, self.right = (
-            BlockMemory(self.target, BITS, memory.initial, primitive=primitive)
+            BlockMemory(self.target, BITS, [0] * len(memory.names), primitive=primitive)
             for memory in (made.left, made.right)
         )
         # of the sample that is worked on
@@ -63,12 +72,14 @@ class Engine(wiring.Component):
                 "slot": In(self.slot_bits),
                 "busy": Out(1),
                 "publish": Out(1),
+                "starting": Out(1, init=1),
                 "step": Out(1),
                 "sample_address": Out(self.index_bits + self.slot_bits),
                 "sample_data": In(signed(BITS)),
                 "store": Out(1),
                 "store_address": Out(range(words_per_result(design))),
                 "store_data": Out(WORD_BITS),
+                "bank": Out((result_banks(design) - 1).bit_length()),
             }
         )
 
@@ -76,7 +87,9 @@ class Engine(wiring.Component):
         m = Module()
         operands, word = self._fetch(m)
         left, right = self._operands(m, operands, word)
-        digit = self._accumulate(m, word, left, right)
+        constant = operands.as_value()[: program(self.design).constant_bits].as_signed()
+        digit = self._accumulate(m, word, left, right, constant)
+        bank_bits = (word.sample, word.release)[: len(self.bank)]
         # two bits of the status are put in where it is stored, for they need no instruction
         status = self.design.columns.index("status") * words_per_column(self.design)
         flags = Mux(self.present.rail, STATUS_RAIL, 0) | Mux(self.present.lost, STATUS_LOST, 0)
@@ -90,6 +103,7 @@ class Engine(wiring.Component):
             self.store.eq(word.store_result & self.step),
             self.store_address.eq(word.address),
             self.store_data.eq(digit[:WORD_BITS] | Mux(word.address == status, flags, 0)),
+            self.bank.eq(Cat(self.starting & bit for bit in bank_bits)),
         ]
         return m
 
@@ -110,14 +124,15 @@ class Engine(wiring.Component):
             with m.If(settling != 0):
                 m.d.sync += [word.eq(0), settling.eq(settling - 1)]
         counter = Signal(range(len(code.words)))
-        running = Signal()
+        running = Signal(init=1)
         m.d.comb += [words.address.eq(counter), words.step.eq(self.step)]
 
         if self.delays.step == 1:
             m.d.comb += self.step.eq(1)
         else:
             clock = Signal(range(self.delays.step))
-            m.d.comb += self.step.eq(clock == self.delays.step - 1)
+            # constants need no multiplication
+            m.d.comb += self.step.eq((clock == self.delays.step - 1) | self.starting)
             m.d.sync += clock.eq(clock + 1)
             with m.If(self.step | self.launch):
                 m.d.sync += clock.eq(0)
@@ -125,9 +140,9 @@ class Engine(wiring.Component):
         with m.If(self.step & running):
             m.d.sync += counter.eq(counter + 1)
             with m.If(counter == len(code.words) - 1):
-                m.d.sync += counter.eq(0)
+                m.d.sync += counter.eq(code.startup)
         with m.If(self.step & word.last):
-            m.d.sync += running.eq(0)
+            m.d.sync += [running.eq(0), self.starting.eq(0)]
         with m.If(self.step & word.release):
             m.d.sync += self.busy.eq(0)
         with m.If(self.launch):
@@ -183,8 +198,12 @@ class Engine(wiring.Component):
             choices |= {When.FIRST_MINOR: present.first_minor, When.MAJOR_END: present.major_end}
         return Cat(choice & (when == value) for value, choice in choices.items()).any()
 
-    def _accumulate(self, m: Module, word: data.View, left: Value, right: Value) -> Value:
+    def _accumulate(
+        self, m: Module, word: data.View, left: Value, right: Value, constant: Value
+    ) -> Value:
         """Add or subtract the product; returns the accumulator's low digit, 16 or 18 bits of it.
+
+        While `starting` a constant takes the product's place.
 
         To keep the addition short, the carry out of the low digit waits a step.  Then it goes
         where its weight is: into the high part, or, when that moves down, into the low digit.
@@ -206,11 +225,12 @@ class Engine(wiring.Component):
             return Mux(word.keep, same, Mux(word.shift, shifted, 0))
 
         # a product that the accumulator is shifted for is never subtracted: `one` is 0
+        added = Mux(word.subtract, ~product.output, product.output)
         low_sum = base(low, high[:WORD_BITS]) + addend[:WORD_BITS] + Mux(word.shift, carry, one)
         high_sum = (base(high, high >> WORD_BITS) + addend[WORD_BITS:].as_signed())[:high_bits]
         with m.If(self.step):
             m.d.sync += [
-                addend.eq(Mux(word.subtract, ~product.output, product.output)),
+                addend.eq(Mux(self.starting, constant, added)),
                 one.eq(word.subtract),
                 Cat(low, carry).eq(low_sum[: WORD_BITS + 1]),
                 high.eq((high_sum.as_signed() + (word.keep & carry))[:high_bits]),

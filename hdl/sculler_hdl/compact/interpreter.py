@@ -11,6 +11,7 @@ from sculler_hdl.compact.program import (
     When,
     digit_count,
     digits_per_count,
+    result_banks,
     short_majors,
 )
 from sculler_model.golden import Sample
@@ -22,14 +23,20 @@ from sculler_model.wordlength import Interval
 class Interpreter:
     """Runs a program sample by sample, as the engine does, and checks every range on the way.
 
+    No word that counts may be read before it is written, for nobody knows what a memory holds.
     Stores take effect `delay` instructions later (`Pipeline.store`), as in the engine.
     """
 
     def __init__(self, program: Program, delay: int) -> None:
         self.program = program
         self.delay = delay
-        self.memory = {m.name: list(m.initial) for m in (program.left, program.right)}
-        self.memory["result"] = [0] * words_per_result(program.design)
+        self.memory: dict[str, dict[int, int]] = {"left": {}, "right": {}, "result": {}}
+        # of results, the one being filled first
+        self.banks: list[dict[int, int]] = [{} for _ in range(result_banks(program.design))]
+        self.memory["result"] = self.banks[0]
+        for load in program.startup:
+            memory = self.banks[load.bank] if load.memory == "result" else self.memory[load.memory]
+            memory[load.address] = load.value
         self.samples: list[list[int]] = []  # digits of each sample, newest last
         self.t = 0
         self.fault = 0
@@ -67,7 +74,10 @@ class Interpreter:
         self.t += 1
         if self.t % length:
             return None
-        words = [word & (1 << WORD_BITS) - 1 for word in self.memory["result"]]
+        filled, *others = self.banks
+        self.banks = [*others, filled]
+        self.memory["result"] = others[0]
+        words = [filled[word] & (1 << WORD_BITS) - 1 for word in range(words_per_result(design))]
         # the engine puts it in where the status is stored
         words[design.columns.index("status") * words_per_column(design)] |= STATUS_RAIL * self.rail
         self.fault = self.rail = 0
@@ -86,10 +96,10 @@ class Interpreter:
             while late and late[0][0] <= now:
                 _, memory, address, digit = late.pop(0)
                 self.memory[memory][address] = digit
-            left = (
-                self.memory["left"][instruction.left.address] if conditions[instruction.when] else 0
-            )
-            product = _in(OPERAND, left) * _in(OPERAND, self._right(instruction))
+            product = 0
+            if conditions[instruction.when]:
+                left = self.memory["left"][instruction.left.address]
+                product = _in(OPERAND, left) * _in(OPERAND, self._right(instruction))
             base = {Base.CLEAR: 0, Base.KEEP: accumulator, Base.SHIFT: accumulator >> WORD_BITS}
             accumulator = base[instruction.base] + (-product if instruction.subtract else product)
             _in(self.program.accumulator, accumulator)

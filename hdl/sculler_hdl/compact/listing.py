@@ -9,11 +9,13 @@ from sculler_hdl.compact.pipeline import pipeline
 from sculler_hdl.compact.program import (
     Base,
     Instruction,
+    Load,
     Memory,
     SampleWord,
     When,
     kept_samples,
     program,
+    result_banks,
     sample_words,
 )
 from sculler_model.design import Design
@@ -37,7 +39,7 @@ def figures(design: Design) -> dict[str, int]:
         "left_words": len(made.left.names),
         "right_words": len(made.right.names),
         "sample_words": kept_samples(design) * sample_words(design),
-        "result_words": 2 * words_per_result(design),
+        "result_words": result_banks(design) * words_per_result(design),
         "accumulator_bits": made.accumulator.bits,
     }
 
@@ -70,9 +72,10 @@ def _lines(design: Design) -> Iterator[str]:
     yield f"{'latency':<24} {clocks.latency:>6} clocks"
     yield ""
     columns = words_per_result(design) // words_per_column(design)
+    banks = {2: "two", 3: "three"}[result_banks(design)]
     yield (
-        f"Result memory: two banks of {columns} columns x {words_per_column(design)} words, filled"
-        " and streamed out in turns;\naddresses as in the left memory."
+        f"Result memory: {banks} banks of {columns} columns x {words_per_column(design)} words,"
+        " filled and streamed out in turns;\naddresses as in the left memory."
     )
     yield (
         f"Sample memory: {kept_samples(design)} samples, each of {sample_words(design)} words"
@@ -82,7 +85,14 @@ def _lines(design: Design) -> Iterator[str]:
     yield from _map("Left memory", made.left)
     yield ""
     yield from _map("Right memory", made.right)
-    start = 0
+    start = code.startup
+    yield ""
+    yield (
+        f"After reset: program words 0 to {start - 1} write what no instruction writes"
+        f" before it counts;\nthe first sample is taken {clocks.startup} clocks after it at the"
+        " earliest"
+    )
+    yield from map(_load, made.startup)
     for phase, instructions in made.phases.items():
         yield ""
         yield (
@@ -103,6 +113,11 @@ def _map(title: str, memory: Memory) -> Iterator[str]:
     across = max(1, 100 // width)
     for first in range(0, len(cells), across):
         yield "".join(cell.ljust(width) for cell in cells[first : first + across]).rstrip()
+
+
+def _load(load: Load) -> str:
+    bank = f" of bank {load.bank}" if load.bank else ""
+    return f"      {_MEMORY[load.memory]}{load.address} = {load.value}{bank}"
 
 
 def _columns(instruction: Instruction) -> str:

@@ -118,6 +118,7 @@ def _dp16kd(
         ports |= {f"i_AD{side}{bit}": bits[bit] for bit in range(14)}
     inputs = Cat(write_data, C(0, 18 - len(write_data)))
     ports |= {f"i_DIA{bit}": inputs[bit] for bit in range(18)}
+    ports |= {f"i_DIB{bit}": Const(0) for bit in range(18)}
     ports |= {f"o_DOB{bit}": data[bit] for bit in range(18)}
     for side, enable, register, writes in (
         ("A", write, Const(1), write),

@@ -5,9 +5,10 @@ instruction stand in different words, each as many words later as its stage come
 (`Pipeline`).  So nothing needs to travel beside the data.  A word has two halves: `operands` acts
 when it is fetched, `actions` one step later, out of a register.
 
-The programs of the phases stand one after another.  Each begins with a word that does nothing, on
-which the engine waits; the next sample with work sets it going; after the last it goes to the
-first again.
+First stands the start-up program, which runs once after reset.  In it a word's operands are a
+constant, which stands in the product's place.  Then the programs of the phases stand one after
+another.  Each begins with a word that does nothing, on which the engine waits; the
+next sample with work sets it going; after the last phase's it goes to the first phase's again.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from sculler_hdl.compact.pipeline import Pipeline, pipeline
 from sculler_hdl.compact.program import (
     Base,
     Instruction,
+    Load,
     SampleWord,
     When,
     kept_samples,
@@ -37,6 +39,7 @@ class Microcode:
         operands, actions: bits of each field of a word's halves, in the order they stand, least
             significant first.
         words: each word's fields that are not 0.
+        startup: words of the start-up program, which stands first.
         release: for each phase that has work, the step of its program that lets the next sample
             with work in.
         lengths: for each phase that has work, the words of its program, the first one included.
@@ -45,6 +48,7 @@ class Microcode:
     operands: dict[str, int]
     actions: dict[str, int]
     words: tuple[dict[str, int], ...]
+    startup: int
     release: dict[int, int]
     lengths: dict[int, int]
 
@@ -70,10 +74,12 @@ def field_widths(design: Design) -> tuple[dict[str, int], dict[str, int]]:
     index_bits = (sample_words(design) - 1).bit_length()
     distance_bits = (kept_samples(design) - 1).bit_length()
     left, right = _bits(len(made.left.names) - 1), _bits(len(made.right.names) - 1)
+    when = _bits(max(When))
     operands = {
         "left": left,
-        "right": max(right, index_bits + distance_bits),  # or a sample's index, then distance
-        "when": _bits(max(When)),
+        # or a sample's index, then distance; all three together hold a constant of start-up
+        "right": max(right, index_bits + distance_bits, made.constant_bits - left - when),
+        "when": when,
     }
     flags = ["sample", "subtract", "keep", "shift", "store_left", "store_right", "store_result"]
     flags += ["signed", "release", "last", "publish"]
@@ -88,8 +94,11 @@ def load_clocks(design: Design) -> int:
 @lru_cache(maxsize=32)
 def microcode(design: Design) -> Microcode:
     """Encode a design's schedule."""
-    delays = pipeline(design)
-    words: list[dict[str, int]] = []
+    delays, widths = pipeline(design), field_widths(design)
+    words = _encode_startup(program(design).startup, widths[0])
+    words[-1]["last"] = 1
+    words += [{} for _ in range(1 + delays.memory)]
+    startup = len(words)
     release, lengths = {}, {}
     for phase, instructions in program(design).phases.items():
         block = _encode(design, instructions, delays)
@@ -104,7 +113,30 @@ def microcode(design: Design) -> Microcode:
         if phase == design.algorithm.samples:
             block[end - 1]["publish"] = 1
         words += block
-    return Microcode(*field_widths(design), tuple(words), release, lengths)
+    return Microcode(*widths, tuple(words), startup, release, lengths)
+
+
+def _encode_startup(loads: tuple[Load, ...], operands: dict[str, int]) -> list[dict[str, int]]:
+    """The words that write constants after a reset, one each step."""
+    words: list[dict[str, int]] = [{} for _ in range(len(loads) + _LOAD_STORE)]
+    for number, load in enumerate(loads):
+        value = load.value & (1 << sum(operands.values())) - 1
+        for name, width in operands.items():
+            words[number + 1][name] = value & (1 << width) - 1
+            value >>= width
+        words[number + _LOAD_STORE] |= {
+            "address": load.address,
+            "signed": 1,
+            f"store_{load.memory}": 1,
+            # neither is used so early: there is no operand and nothing to let in
+            "sample": load.bank & 1,
+            "release": load.bank >> 1,
+        }
+    return words
+
+
+_LOAD_STORE = 2
+"""Words from the one that acts when a constant is taken to the one that stores it."""
 
 
 def _encode(
@@ -155,7 +187,10 @@ def timing(design: Design) -> Timing:
     return Timing(
         latency=published + handover,
         spacing=loaded + 1,
-        startup=kept_samples(design) * load_clocks(design) + 1,
+        startup=max(
+            kept_samples(design) * load_clocks(design) + 1,  # zeros for samples before the first
+            code.startup + 1,  # constants
+        ),
         work=tuple(work.get(k, 0) for k in range(1, n + 1)),
         handover_spacing=handover,
         dropping=Dropping(published + 1, handover) if design.drops_results else None,

@@ -11,6 +11,9 @@ rest, shifted down one digit, is where column c + 1 begins.  One instruction is
 
 An accumulated vector adds to itself: `state * 1` is one more product, and 0 takes the state's
 place where a major interval begins, so nothing needs clearing.
+
+Nothing relies on what a memory holds at first: what no instruction writes before it counts, such as
+constants and words of a result that are always 0, is written after each reset (`Program.startup`).
 """
 
 from __future__ import annotations
@@ -36,7 +39,7 @@ from sculler_hdl.compact.position import (
     factor_ranges,
 )
 from sculler_model.design import Design
-from sculler_model.stream import WORD_BITS, words_per_column
+from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
 from sculler_model.vectors import AXES, STATUS_FAULT, STATUS_SHORT_HISTORY
 from sculler_model.wordlength import ZERO, Interval
 
@@ -168,17 +171,35 @@ Block = tuple[Instruction, ...]
 
 @dataclass
 class Memory:
-    """What stands where in a memory: names and initial values by address."""
+    """What stands where in a memory: names by address, and those that are constant."""
 
     name: str
     names: list[str] = field(default_factory=list)
-    initial: list[int] = field(default_factory=list)
+    constants: dict[int, int] = field(default_factory=dict)
 
-    def place(self, name: str, value: int = 0) -> Word:
-        """The next free word."""
+    def place(self, name: str, value: int | None = None) -> Word:
+        """The next free word; constant if it has a value."""
         self.names.append(name)
-        self.initial.append(value)
-        return Word(self.name, len(self.names) - 1)
+        address = len(self.names) - 1
+        if value is not None:
+            self.constants[address] = value
+        return Word(self.name, address)
+
+
+@dataclass(frozen=True)
+class Load:
+    """A word that is written after each reset.
+
+    Attributes:
+        memory: "left", "right" or "result".
+        address, value: in it.
+        bank: of the result memory; 0 is the one that is being filled.
+    """
+
+    memory: str
+    address: int
+    value: int
+    bank: int = 0
 
 
 @dataclass(frozen=True)
@@ -188,6 +209,7 @@ class Program:
     Attributes:
         design: the design.
         left, right: the memories of left and right operands.
+        startup: what is written after each reset, before the first sample.
         phases: the instructions for a sample of phase k, for the phases that have work.
         idle: 0 * 1, which stores nothing.
         accumulator: range of the accumulator, that of a product at least, and with a carry out of
@@ -197,9 +219,17 @@ class Program:
     design: Design
     left: Memory
     right: Memory
+    startup: tuple[Load, ...]
     phases: Mapping[int, tuple[Instruction, ...]]
     idle: Instruction
     accumulator: Interval
+
+    @property
+    def constant_bits(self) -> int:
+        """Bits, the sign's included, of what start-up writes."""
+        return reduce(
+            Interval.__or__, (Interval(load.value, load.value) for load in self.startup)
+        ).bits
 
 
 def digit_count(bits: int) -> int:
@@ -231,6 +261,11 @@ def kept_samples(design: Design) -> int:
     """
     least = design.table.history + 1 + design.algorithm.samples
     return 1 << (least - 1).bit_length()
+
+
+def result_banks(design: Design) -> int:
+    """Results in the result memory: one shown, one filled; where results are dropped one waits."""
+    return 3 if design.drops_results else 2
 
 
 def short_majors(design: Design) -> int:
@@ -618,6 +653,41 @@ def accumulator_range(
     return widest
 
 
+def _startup(
+    design: Design, memories: Iterable[Memory], instructions: Sequence[Instruction]
+) -> Iterator[Load]:
+    """What no instruction writes before it counts.
+
+    The constants; 0 in right words that are first multiplied by 0, which would do without, were it
+    not that simulators take 0 times unknown for unknown; and 0 in those words of all banks of
+    results that no instruction writes.
+
+    Args:
+        design: the design.
+        memories: of its operands.
+        instructions: of all phases, in their order.
+    """
+    for memory in memories:
+        for address, value in memory.constants.items():
+            yield Load(memory.name, address, value)
+    known = {Word(memory.name, address) for memory in memories for address in memory.constants}
+    for instruction in instructions:
+        right = instruction.right
+        if isinstance(right, Word) and right not in known:
+            known.add(right)
+            yield Load(right.memory, right.address, 0)
+        known.update(instruction.writes)
+    results = {
+        instruction.store.address
+        for instruction in instructions
+        if instruction.store is not None and "result" in instruction.store.memories
+    }
+    for address in range(words_per_result(design)):
+        if address not in results:
+            for bank in range(result_banks(design)):
+                yield Load("result", address, 0, bank)
+
+
 @lru_cache(maxsize=32)
 def program(design: Design) -> Program:
     """Compile a design's schedule."""
@@ -632,4 +702,6 @@ def program(design: Design) -> Program:
     ranges = [accumulator_range(phase, compiler.ranges) for phase in phases.values()]
     accumulator = reduce(Interval.__or__, ranges, OPERAND * OPERAND)
     accumulator += Interval(-(1 << WORD_BITS), 0)
-    return Program(design, compiler.left, compiler.right, phases, idle, accumulator)
+    memories = (compiler.left, compiler.right)
+    startup = tuple(_startup(design, memories, [i for phase in phases.values() for i in phase]))
+    return Program(design, *memories, startup, phases, idle, accumulator)

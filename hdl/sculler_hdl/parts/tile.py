@@ -87,6 +87,11 @@ def _mult18x18d(left: Signal, right: Signal, product: Signal) -> Instance:
     ports: dict[str, Any] = {}
     for prefix, value in (("i_A", left), ("i_B", right), ("o_P", product)):
         ports |= {f"{prefix}{bit}": value[bit] for bit in range(len(value))}
+    # What is left open is unknown to a simulator.  SRIA and SRIB alone stay so: nothing but a
+    # neighbour's outputs can be routed to them, not even a constant, and SOURCE* turns them off.
+    unused = [f"{kind}{number}" for kind in ("CLK", "CE", "RST") for number in (1, 2, 3)]
+    unused += [f"C{bit}" for bit in range(18)]
+    ports |= {f"i_{name}": Const(0) for name in unused}
     registers = ("INPUTA", "INPUTB", "PIPELINE", "OUTPUT")
     return Instance(
         "MULT18X18D",
@@ -112,6 +117,9 @@ def _sb_mac16(left: Signal, right: Signal, product: Signal) -> Instance:
         "PIPELINE_16x16_MULT_REG1",
         "PIPELINE_16x16_MULT_REG2",
     )
+    # what is left open is unknown to a simulator
+    unused = "AHOLD BHOLD CHOLD DHOLD IRSTTOP IRSTBOT ORSTTOP ORSTBOT OLOADTOP OLOADBOT"
+    unused += " OHOLDTOP OHOLDBOT ADDSUBTOP ADDSUBBOT CI ACCUMCI SIGNEXTIN"
     return Instance(
         "SB_MAC16",
         **{f"p_{register}": used for register in registers},
@@ -123,5 +131,8 @@ def _sb_mac16(left: Signal, right: Signal, product: Signal) -> Instance:
         i_CE=Const(1),
         i_A=left,
         i_B=right,
+        i_C=Const(0, 16),
+        i_D=Const(0, 16),
+        **{f"i_{name}": Const(0) for name in unused.split()},
         o_O=product,
     )

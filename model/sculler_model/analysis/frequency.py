@@ -97,7 +97,7 @@ class Cone(Vibration):
         if design.sensor.kind == "increment":
             samples = motion.increments(count, T)
         else:
-            samples = motion.rates(count, T, filtered=response is None)
+            samples = motion.rates(count, T, 1, filtered=response is None)
         if response is not None:  # both axes pass it alike, so its phase is only a later start
             samples[:, :2] *= abs(response.value(omega * T))
         return samples

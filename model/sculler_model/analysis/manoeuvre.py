@@ -61,9 +61,10 @@ class Manoeuvre:
         return self.duration * np.stack([p.integ()(u) for p in self.rates], axis=1)
 
     def samples(self, design: Design, count: int) -> Array:
-        """(count, 6) samples from time 0 on as the design's sensor gives them; no force.
+        """(count, 6) samples over intervals from time 0 on as the sensor gives them; no force.
 
-        Rate samples passed the filter sinc(ΩT/2), as `Motion.rates`.
+        Rate samples passed the filter sinc(ΩT/2), as `Motion.rates`; the first one is at T, so
+        that the first interval, which shares the sample before, begins at time 0.
         """
         T = design.sample_interval
         number = np.arange(count + 1, dtype=np.float64)

@@ -49,6 +49,7 @@ which `Response.worst_phase` gives; it is what Savage's published figures agree 
 from __future__ import annotations
 
 import csv
+import io
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, isfinite, log, sqrt
@@ -66,6 +67,7 @@ from sculler_model.families.balance import SensorKind
 from sculler_model.families.response import Response as Filter
 from sculler_model.fast import FastModel
 from sculler_model.host import second_order_corrections
+from sculler_model.inputs import read_small
 from sculler_model.quantise import Quantiser
 
 Array = NDArray[np.float64]
@@ -76,6 +78,9 @@ G = 9.80665
 
 STEP = 0.05
 """Widest step of the sums over frequency, Hz."""
+
+HIGHEST = 1e5
+"""Highest frequency of a spectrum, Hz: the sums have a term each `STEP`."""
 
 COLUMNS = ("freq_hz", "psd_g2_per_hz")
 """Header of a spectrum file."""
@@ -106,10 +111,11 @@ class Spectrum:
         for number, (frequency, density) in enumerate(
             zip(self.frequencies, self.densities, strict=True), start=1
         ):
-            if not (frequency > 0 and density > 0 and isfinite(frequency) and isfinite(density)):
+            if not (0 < frequency <= HIGHEST and density > 0 and isfinite(density)):
                 raise InputError(
                     f"{self.name}: point {number}: {frequency:g} Hz, {density:g} g²/Hz is not"
-                    " allowed, give finite numbers > 0 (outside its points a spectrum is zero)"
+                    f" allowed, give frequencies > 0 and <= {HIGHEST:,.0f} Hz and finite densities"
+                    " > 0 (outside its points a spectrum is zero)"
                 )
         for before, after in pairwise(self.frequencies):
             if after < before:
@@ -132,15 +138,11 @@ class Spectrum:
         Raises:
             InputError: it cannot be read or is not of this form; says the line.
         """
+        text = read_small(path, "spectrum", f"a CSV {','.join(COLUMNS)}")
         try:
-            with Path(path).open(newline="", encoding="utf-8-sig") as file:
-                lines = list(csv.reader(file))
-        except OSError as error:
-            raise InputError(
-                f"{path}: cannot read the spectrum ({error.strerror}), check the path"
-            ) from error
-        except (UnicodeDecodeError, csv.Error) as error:
-            raise InputError(f"{path}: not a CSV text file in UTF-8") from error
+            lines = list(csv.reader(io.StringIO(text, newline="")))
+        except csv.Error as error:
+            raise InputError(f"{path}: not a CSV ({error}), give {','.join(COLUMNS)}") from error
         header = tuple(word.strip() for word in lines[0]) if lines else ()
         if header != COLUMNS:
             raise InputError(f"{path}: line 1: the header must be {','.join(COLUMNS)}")

@@ -47,7 +47,12 @@ def _arctan_inverse(x: int) -> Decimal:
 
 
 def sine_cosine(x: Decimal) -> tuple[Decimal, Decimal]:
-    """sin x and cos x by their series, for |x| up to a few π."""
+    """sin x and cos x by their series, large x brought to half a turn first."""
+    if abs(x) > 8:  # below, the series' terms stay small enough for the guard digits
+        with localcontext() as context:
+            context.prec += GUARD + max(x.adjusted(), 0)
+            turn = 2 * pi()
+            x = x - turn * (x / turn).to_integral_value()
     with localcontext() as context:
         context.prec += GUARD
         tiny = Decimal(10) ** -context.prec

@@ -16,6 +16,7 @@ from sculler_model.errors import InputError
 from sculler_model.families import least_squares
 from sculler_model.families.decimals import rational
 from sculler_model.families.response import Analogue, Digital, Measured, Response, Sinc, Stage
+from sculler_model.inputs import read_small
 from sculler_model.schema import Part
 
 Positive = Annotated[float, Field(gt=0, description="a number > 0")]
@@ -231,14 +232,7 @@ def read_response(path: Path) -> list[list[float]]:
         InputError: it cannot be read, or a line is not as the header says.
     """
     name = f"algorithm.filter.file: {path}"
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise InputError(
-            f"{name}: cannot read the response ({error.strerror}), check the path"
-        ) from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{name}: not a text file in UTF-8, give a CSV") from error
+    lines = read_small(path, "response", "a CSV", name).splitlines()
     header = [word.strip() for word in lines[0].split(",")] if lines else []
     if header not in (["freq_hz", "gain"], ["freq_hz", "gain", "phase_deg"]):
         raise InputError(f"{name}: the first line must be freq_hz,gain or freq_hz,gain,phase_deg")

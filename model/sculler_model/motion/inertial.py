@@ -40,7 +40,7 @@ class Coning:
 
     def rates(self, samples: int, interval: float, first: int = 0, filtered: bool = True) -> Array:
         """(N, 6) rate samples, as `Motion.rates`; zeros for m/s²."""
-        phase = self.omega * interval * (first + 1 + np.arange(samples))
+        phase = self.omega * interval * (first + np.arange(samples))
         size = self.omega * sin(self.half_angle)
         if filtered:
             size *= float(np.sinc(self.omega * interval / (2 * pi)))

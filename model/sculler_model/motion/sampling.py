@@ -67,8 +67,8 @@ class Sampled(ABC):
         Args:
             samples: N, how many.
             interval: T, s.
-            first: number of the first sample; sample i is taken at time (i+1) T, the end of the
-                interval that an increment of this number would cover.
+            first: number of the first sample; sample i is the rate at time i T
+                (`sculler_model.instants`).
             filtered: average over T, centred: Zeng's filter sinc(Ω T/2); else the plain value.
 
         Returns:
@@ -76,13 +76,17 @@ class Sampled(ABC):
         """
         number = first + np.arange(samples, dtype=np.float64)
         if filtered:
-            return self._mean(number + 0.5, interval)
-        return self.sensed((number + 1) * interval)
+            return self._mean(number - 0.5, interval)
+        return self.sensed(number * interval)
 
     def chunks(
         self, kind: Literal["increment", "rate"], samples: int, interval: float
     ) -> Iterator[Array]:
-        """Samples from time 0 on for a sensor of a kind, at most `CHUNK` at a time."""
+        """Samples from time 0 on for a sensor of a kind, at most `CHUNK` at a time.
+
+        The first increment begins there; the first rate is the one at time 0, and where it is
+        averaged over T the motion half a sample before that takes part.
+        """
         for first in range(0, samples, CHUNK):
             count = min(CHUNK, samples - first)
             if kind == "increment":

@@ -1,13 +1,9 @@
 """The host's navigation in double precision: wander azimuth over WGS-84."""
 
 from sculler_model.navigation.alignment import Alignment, align
-from sculler_model.navigation.fine_alignment import (
-    NAVIGATION_GRADE,
-    FineAlignment,
-    SensorNoise,
-    align_finely,
-)
+from sculler_model.navigation.fine_alignment import FineAlignment, align_finely
 from sculler_model.navigation.geographic import GeographicNavigator
+from sculler_model.navigation.gravity import Gravity, constant_gravity, table_of_gravity
 from sculler_model.navigation.navigator import (
     HeightDamping,
     Mechanisation,
@@ -16,6 +12,7 @@ from sculler_model.navigation.navigator import (
     trajectory,
 )
 from sculler_model.navigation.rotation import AxisMap
+from sculler_model.navigation.sensor_noise import NAVIGATION_GRADE, SensorNoise
 from sculler_model.navigation.state import NavHistory, NavState
 
 __all__ = [
@@ -24,6 +21,7 @@ __all__ = [
     "AxisMap",
     "FineAlignment",
     "GeographicNavigator",
+    "Gravity",
     "HeightDamping",
     "Mechanisation",
     "NavHistory",
@@ -32,6 +30,8 @@ __all__ = [
     "SensorNoise",
     "align",
     "align_finely",
+    "constant_gravity",
     "navigate",
+    "table_of_gravity",
     "trajectory",
 ]

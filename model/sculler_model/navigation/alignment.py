@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import atan2, cos, degrees, hypot, sin
+from math import atan2, cos, degrees, hypot, sin, tan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.earth import EARTH_RATE, gravity, gravity_lean
+from sculler_model.navigation.earth import EARTH_RATE
+from sculler_model.navigation.gravity import NORMAL, Gravity, pull
 from sculler_model.navigation.rotation import (
     Quaternion,
     Vector,
@@ -18,8 +19,10 @@ from sculler_model.navigation.rotation import (
     from_rotation_vector,
     product,
     rotate,
+    to_dcm,
     to_euler,
 )
+from sculler_model.navigation.sensor_noise import SensorNoise, estimated_noise
 from sculler_model.navigation.state import NavState
 
 Array = NDArray[np.float64]
@@ -27,7 +30,10 @@ Array = NDArray[np.float64]
 MIN_SECONDS = 10.0
 """Shortest window; a good heading takes minutes."""
 
-_SEGMENTS = 10
+ESTIMATED = SensorNoise()
+"""Nothing known: the window shows the noise."""
+
+_FEWEST, _SEGMENTS = 10, 128  # intervals; parts to see the noise's spectrum in, at most
 
 
 @dataclass(frozen=True)
@@ -42,8 +48,9 @@ class Alignment:
         down_rate: mean rate about the vertical, down, rad/s (true: -7.292e-5 sin lat).
         specific_force: magnitude of the mean specific force, m/s².
         gravity: the model's gravity here, m/s².
-        heading_sigma: standard deviation of the heading by the scatter of ten parts of the
-            window, rad; a constant gyro bias does not show in it.
+        noise: of the sensors, as given or as the window shows it.
+        covariance: (3, 3) of the attitude, rad², about north, east and down; a constant bias
+            does not show in it, but for what `noise` says of it.
         warnings: what looks wrong, in words.
     """
 
@@ -53,13 +60,29 @@ class Alignment:
     down_rate: float
     specific_force: float
     gravity: float
-    heading_sigma: float
+    noise: SensorNoise
+    covariance: Array
     warnings: tuple[str, ...]
 
     @property
     def euler(self) -> Vector:
         """Roll, pitch, heading, rad."""
         return to_euler(self.q)
+
+    @property
+    def sigma(self) -> Vector:
+        """Standard deviation about north, east and down (level, level, heading), rad."""
+        return sigmas(self.covariance)
+
+    @property
+    def euler_sigma(self) -> Vector:
+        """Standard deviation of roll, pitch and heading, rad."""
+        return euler_sigmas(self.q, self.covariance)
+
+    @property
+    def heading_sigma(self) -> float:
+        """Standard deviation about the vertical, rad."""
+        return self.sigma[2]
 
     @property
     def rate(self) -> float:
@@ -76,7 +99,14 @@ class Alignment:
         return NavState(start + self.seconds, self.q, (0.0, 0.0, 0.0), lat, lon, h)
 
 
-def align(increments: MajorIncrements, interval: float, lat: float, h: float) -> Alignment:
+def align(
+    increments: MajorIncrements,
+    interval: float,
+    lat: float,
+    h: float,
+    noise: SensorNoise = ESTIMATED,
+    gravity: Gravity = NORMAL,
+) -> Alignment:
     """Attitude at the end of a window at rest.
 
     The rotation vectors chain up to the body's attitude against inertial space since the start,
@@ -84,6 +114,9 @@ def align(increments: MajorIncrements, interval: float, lat: float, h: float) ->
     with the Earth.  The one rotation that lays the measured swing best upon the known one (least
     squares, Wahba's problem) is the attitude at the start, level and heading together; the chain
     carries it to the end.
+
+    Its covariance is that of this estimate for the noise that the window shows, or that is given:
+    a random walk of the gyros, noise of the accelerometers (see `sensor_noise`).
 
     A constant gyro bias east turns the heading by bias/(Earth's horizontal rate), an accelerometer
     bias tilts the level by bias/g: no alignment at rest can tell them from attitude.
@@ -93,17 +126,21 @@ def align(increments: MajorIncrements, interval: float, lat: float, h: float) ->
         interval: length of a major interval, s.
         lat: geodetic latitude, rad.
         h: height, m.
+        noise: what is known of the sensors; the window shows what is left out.
+        gravity: the model of gravity.
 
     Raises:
-        InputError: the window is too short, the unit is not at rest (specific force more than 2 %
-            off gravity, or rate over 100 times Earth's), or it is too near a pole to find north.
+        InputError: an interval is of short history, the window is too short, the unit is not at
+            rest (specific force more than 2 % off gravity, or rate over 100 times Earth's), or it
+            is too near a pole to find north.
     """
+    increments.require_whole("alignment")
     count = len(increments)
     seconds = count * interval
-    if seconds < MIN_SECONDS or count < _SEGMENTS:
+    if seconds < MIN_SECONDS or count < _FEWEST:
         raise InputError(
             f"alignment: {seconds:.3g} s of data in {count} major intervals is too short, give at"
-            f" least {MIN_SECONDS:.0f} s and {_SEGMENTS} intervals (minutes for a good heading)"
+            f" least {MIN_SECONDS:.0f} s and {_FEWEST} intervals (minutes for a good heading)"
         )
     true_horizontal = EARTH_RATE * cos(lat)
     if true_horizontal < 0.01 * EARTH_RATE:
@@ -118,7 +155,7 @@ def align(increments: MajorIncrements, interval: float, lat: float, h: float) ->
             " at rest, or check the gyro's LSB"
         )
 
-    g = gravity(sin(lat), h)
+    lean, g = pull(gravity, sin(lat), h)
     specific_force = float(np.linalg.norm(increments.dv_sf.mean(axis=0))) / interval
     if abs(specific_force / g - 1) > 0.02:
         raise InputError(
@@ -132,7 +169,7 @@ def align(increments: MajorIncrements, interval: float, lat: float, h: float) ->
     # what it must be: against gravity, in the inertial frame that north-east-down left at the start
     times = (np.arange(count, dtype=np.float64) + 0.5) * interval
     swing = _earth_turn(lat, times)
-    leaning = cos(lat) * gravity_lean(sin(lat), h) / g
+    leaning = cos(lat) * lean / g
     up = np.stack(rotate(swing, _columns(np.tile([-leaning, 0.0, -1.0], (count, 1)))), axis=1)
     start = _wahba(force, up)
     back = from_rotation_vector((-true_horizontal * seconds, 0.0, EARTH_RATE * sin(lat) * seconds))
@@ -146,6 +183,11 @@ def align(increments: MajorIncrements, interval: float, lat: float, h: float) ->
     east_slope = _slope(level[:, 1], times)
     attitude = product(to_level, chain)
     down = np.stack(rotate(conjugate(attitude), (0 * one, 0 * one, one)), axis=1).mean(axis=0)
+    # ψ turns gravity into the level: -g ψ_E north, g ψ_N east
+    tilts, step = _means(level[:, [1, 0]] / (g, -g), interval)
+    each = round(step / interval)
+    angles = np.cumsum(increments.phi, axis=0)[count % each + each - 1 :: each]
+    noise = noise.completed(estimated_noise(tilts, angles, step, g))
     result = Alignment(
         q=product(back, product(start, end)),
         seconds=seconds,
@@ -153,7 +195,8 @@ def align(increments: MajorIncrements, interval: float, lat: float, h: float) ->
         down_rate=float(increments.phi.mean(axis=0) @ down) / interval,
         specific_force=specific_force,
         gravity=g,
-        heading_sigma=_slope_sigma(level[:, 0], times) / (g * true_horizontal),
+        noise=noise,
+        covariance=_covariance(noise, lat, seconds, len(tilts), step, g),
         warnings=(),
     )
     return replace(result, warnings=_warnings(result, lat))
@@ -179,8 +222,8 @@ def _warnings(found: Alignment, lat: float) -> tuple[str, ...]:
         )
     if found.heading_sigma > 0.01:
         warnings.append(
-            f"heading scatters by {degrees(found.heading_sigma):.2f}°: align longer, or the gyros"
-            " are not good enough to find north by"
+            f"heading is known to {degrees(found.heading_sigma):.2f}° only (1 σ): align longer, or"
+            " the sensors are not good enough to find north by"
         )
     return tuple(warnings)
 
@@ -248,10 +291,78 @@ def _slope(values: Array, times: Array) -> float:
     return float(centred @ values / (centred @ centred))
 
 
-def _slope_sigma(values: Array, times: Array) -> float:
-    """Standard deviation of the slope, by the scatter of segment means about the line."""
-    t = np.array([part.mean() for part in np.array_split(times, _SEGMENTS)])
-    y = np.array([part.mean() for part in np.array_split(values, _SEGMENTS)])
-    centred = t - t.mean()
-    left = y - y.mean() - centred * _slope(y, t)
-    return float(np.sqrt(left @ left / (_SEGMENTS - 2) / (centred @ centred)))
+def _means(values: Array, interval: float) -> tuple[Array, float]:
+    """Means over at most `_SEGMENTS` equal parts, the odd first values left out; a part's s."""
+    each = -(-len(values) // _SEGMENTS)
+    count = len(values) // each
+    return values[-count * each :].reshape(count, each, -1).mean(axis=1), each * interval
+
+
+def _covariance(
+    noise: SensorNoise, lat: float, seconds: float, count: int, step: float, g: float
+) -> Array:
+    """(3, 3) of the attitude at the end of the window, rad², about north, east and down.
+
+    In the inertial frame that north-east-down left at the start: where the chain of the gyros has
+    turned by ψ_k and the tilt noise is η_k when gravity points along u_k, the least squares take
+
+        -Σ A_k (ψ_k + η_k)        A_k = (Σ P)⁻¹ P_k,  P_k = I - u_k u_kᵀ
+
+    for the attitude at the start, and the attitude at the end is off by that and the last ψ.
+    """
+    times = seconds - step * (np.arange(count, dtype=np.float64)[::-1] + 0.5)
+    swing = np.array([to_dcm(_turned(lat, time)) for time in times.tolist()])
+    up = -swing[:, :, 2]
+    P = np.eye(3) - up[:, :, None] * up[:, None, :]
+    A = np.linalg.solve(P.sum(axis=0), P)
+    # what the gyros walk or drift in a step stays in ψ from its middle on
+    G = np.eye(3) - (np.cumsum(A[::-1], axis=0)[::-1] - 0.5 * A)
+    edges = np.diff(np.concatenate((np.zeros((1, 3, 3)), A, np.zeros((1, 3, 3)))), axis=0)
+    drift = (G @ swing).sum(axis=0) * step
+    tilted = (A @ swing).sum(axis=0)[:, :2]
+    walk, bias = noise.angle_random_walk or 0.0, noise.gyro_bias or 0.0
+    white = (noise.velocity_random_walk or 0.0) / g
+    blue, tilt = (noise.velocity_noise or 0.0) / g, (noise.accel_bias or 0.0) / g
+    total = (
+        walk**2 * step * _squares(G)
+        + white**2 / step * _squares(A)
+        + (blue / step) ** 2 * _squares(edges)
+        + bias**2 * drift @ drift.T
+        + tilt**2 * tilted @ tilted.T
+    )
+    end = np.array(to_dcm(_turned(lat, seconds)))
+    result: Array = end.T @ total @ end
+    return result
+
+
+def _squares(parts: Array) -> Array:
+    """Σ X Xᵀ of (S, 3, 3)."""
+    total: Array = np.einsum("kij,klj->il", parts, parts)
+    return total
+
+
+def _turned(lat: float, seconds: float) -> Quaternion:
+    """`_earth_turn` for one time."""
+    w, x, y, z = (float(part[0]) for part in _earth_turn(lat, np.array([seconds])))
+    return (w, x, y, z)
+
+
+def sigmas(covariance: Array) -> Vector:
+    """Standard deviations of a (3, 3) covariance."""
+    x, y, z = np.sqrt(np.diag(covariance)).tolist()
+    return (x, y, z)
+
+
+def euler_sigmas(q: Quaternion, covariance: Array) -> Vector:
+    """Standard deviations of roll, pitch and heading (rad) at q_nb.
+
+    Args:
+        q: body to north-east-down.
+        covariance: (3, 3) of the attitude about north, east and down, rad².
+    """
+    _, pitch, heading = to_euler(q)
+    along = np.array([cos(heading), sin(heading), 0.0])
+    across = np.array([-sin(heading), cos(heading), 0.0])
+    down = np.array([0.0, 0.0, 1.0])
+    rates = np.stack((along / cos(pitch), across, down + tan(pitch) * along))
+    return sigmas(rates @ covariance @ rates.T)

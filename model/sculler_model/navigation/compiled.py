@@ -1,8 +1,8 @@
 """The wander azimuth over whole arrays, compiled by Numba (the extra `fast`).
 
-The very functions of `wander`, `rotation` and `earth` are compiled, so there is one algorithm and
-the results equal those of the interpreter to rounding.  Without Numba the navigator goes on in
-Python: the same numbers, some hundred times more slowly.
+The very functions of `wander`, `rotation`, `earth` and `gravity` are compiled, so there is one
+algorithm and the results equal those of the interpreter to rounding.  Without Numba the navigator
+goes on in Python: the same numbers, some hundred times more slowly.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.navigation import earth, rotation, wander
-from sculler_model.navigation.state import MAX_HEIGHT, MIN_HEIGHT
+from sculler_model.navigation import earth, gravity, rotation, wander
+from sculler_model.navigation.gravity import covers
 from sculler_model.navigation.wander import Level, Settings, geographic, step
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ def compiled_run() -> Run | None:
     It takes the state, the settings, φ, ΔV_SF and ΔR_SF, (R, 3) each (the last one (0, 3) where it
     is not used), and an (R, 11) table that it fills with q_nb, v, lat, lon, h, wander at the
     interval ends.  It returns the state at the end and how many intervals it got through: fewer
-    than R if the height left `MIN_HEIGHT`..`MAX_HEIGHT`.
+    than R if the track left the places that `gravity.covers`.
 
     Compiling takes some seconds at the very first call and is kept on disk from then on.
     """
@@ -42,12 +42,13 @@ def compiled_run() -> Run | None:
         from numba.extending import register_jitable
     except ImportError:
         return None
-    for module in (earth, rotation, wander):
+    modules = (earth, gravity, rotation, wander)
+    for module in modules:
         for function in vars(module).values():
             if isinstance(function, FunctionType) and function.__module__ == module.__name__:
                 register_jitable(function)
     # Numba sees only a change of this file: with the others' text the cache knows theirs as well
-    key = sha256("".join(map(getsource, (earth, rotation, wander))).encode()).hexdigest()
+    key = sha256("".join(map(getsource, modules)).encode()).hexdigest()
 
     def loop(
         now: Level, settings: Settings, phi: Array, dv_sf: Array, dr_sf: Array, table: Array
@@ -65,7 +66,7 @@ def compiled_run() -> Run | None:
                 dr,
             )
             q, v, lat, lon, h, angle = geographic(now)
-            if not MIN_HEIGHT <= h <= MAX_HEIGHT:
+            if not covers(settings.gravity, lat, h):
                 return now, i
             row = table[i]
             row[0], row[1], row[2], row[3] = q

@@ -14,15 +14,22 @@ rest tells them apart.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import cos, isfinite, sin
+from math import cos, nan, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.alignment import Alignment, align, attitudes_at_rest
-from sculler_model.navigation.earth import EARTH_RATE, gravity, gravity_lean
+from sculler_model.navigation.alignment import (
+    ESTIMATED,
+    Alignment,
+    align,
+    attitudes_at_rest,
+    euler_sigmas,
+    sigmas,
+)
+from sculler_model.navigation.earth import EARTH_RATE
+from sculler_model.navigation.gravity import NORMAL, Gravity, pull
 from sculler_model.navigation.rotation import (
     Quaternion,
     Vector,
@@ -32,6 +39,7 @@ from sculler_model.navigation.rotation import (
     rotate,
     to_euler,
 )
+from sculler_model.navigation.sensor_noise import SensorNoise
 from sculler_model.navigation.state import NavState
 
 Array = NDArray[np.float64]
@@ -39,38 +47,10 @@ Array = NDArray[np.float64]
 STEP_SECONDS = 1.0
 """About the time from one look at the velocity to the next."""
 
-_TILT, _HEADING = 0.01, 0.1  # rad, what the coarse attitude surely keeps to
-
-
-@dataclass(frozen=True)
-class SensorNoise:
-    """What to expect of the sensors, one standard deviation, each axis.
-
-    Attributes:
-        angle_random_walk: N, rad/√s.
-        velocity_random_walk: m/s/√s.
-        gyro_bias: constant over the window, rad/s.
-        velocity_noise: of the velocity at one instant, m/s: quantisation, and sway of the unit.
-
-    Raises:
-        InputError: a number is negative or not finite, or `velocity_noise` is 0.
-    """
-
-    angle_random_walk: float = 0.002 / 60 * np.pi / 180
-    velocity_random_walk: float = 5e-5
-    gyro_bias: float = 0.01 / 3600 * np.pi / 180
-    velocity_noise: float = 1e-3
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not (isfinite(value) and value >= 0) or (name == "velocity_noise" and value == 0):
-                raise InputError(
-                    f"sensor noise: {name} {value} is not allowed, give a positive number"
-                )
-
-
-NAVIGATION_GRADE = SensorNoise()
-"""0.002 °/√h, 5 µg/√Hz, 0.01 °/h, 1 mm/s."""
+_TILT, _HEADING = 0.01, 0.1  # rad, what a good coarse attitude surely keeps to
+_SURELY = 10  # sigmas of the coarse attitude, which is of the same data: no knowledge of its own
+_ANY_BIAS = 10 * EARTH_RATE
+_ROUNDING = 1e-7  # m/s
 
 
 @dataclass(frozen=True)
@@ -80,16 +60,17 @@ class FineAlignment:
     Attributes:
         coarse: where it started from.
         q: q_nb at the END of the window, body to north-east-down.
-        sigma: of the attitude, rad, about north, east and down (level, level, heading).
+        covariance: (3, 3) of the attitude, rad², about north, east and down.
         gyro_bias: estimated, rad/s, in body axes; what the gyros show too much.
-        gyro_bias_sigma: rad/s, in north, east, down.
+        gyro_bias_sigma: rad/s, in north, east, down; NaN where it cannot be seen and nothing is
+            known of it: it is then taken to be 0.
         surprise: mean square of what the velocity did against what was expected, in standard
-            deviations; about 1 or less if `SensorNoise` is right.
+            deviations; about 1 or less if the noise is what it was said to be.
     """
 
     coarse: Alignment
     q: Quaternion
-    sigma: Vector
+    covariance: Array
     gyro_bias: Vector
     gyro_bias_sigma: Vector
     surprise: float
@@ -98,6 +79,16 @@ class FineAlignment:
     def euler(self) -> Vector:
         """Roll, pitch, heading, rad."""
         return to_euler(self.q)
+
+    @property
+    def sigma(self) -> Vector:
+        """Standard deviation about north, east and down (level, level, heading), rad."""
+        return sigmas(self.covariance)
+
+    @property
+    def euler_sigma(self) -> Vector:
+        """Standard deviation of roll, pitch and heading, rad."""
+        return euler_sigmas(self.q, self.covariance)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -131,7 +122,8 @@ def align_finely(
     interval: float,
     lat: float,
     h: float,
-    noise: SensorNoise = NAVIGATION_GRADE,
+    noise: SensorNoise = ESTIMATED,
+    gravity: Gravity = NORMAL,
 ) -> FineAlignment:
     """Attitude at the end of a window at rest, by `align` and then a Kalman filter.
 
@@ -146,26 +138,34 @@ def align_finely(
         interval: length of a major interval, s.
         lat: geodetic latitude, rad.
         h: height, m.
-        noise: what to expect of the sensors.
+        noise: what is known of the sensors; the window shows what is left out.  Without a
+            `gyro_bias` the one about north is found, for the level drifts by it, and the others
+            are taken for none.
+        gravity: the model of gravity.
 
     Raises:
         InputError: as `align`.
     """
-    coarse = align(increments, interval, lat, h)
+    coarse = align(increments, interval, lat, h, noise, gravity)
+    noise = coarse.noise
+    lean, g = pull(gravity, sin(lat), h)
     q, end = attitudes_at_rest(increments, interval, lat, coarse)
     gained = np.stack(rotate(q, (*increments.dv_sf.T,)), axis=1)[:, :2]
-    gained[:, 0] += interval * cos(lat) * gravity_lean(sin(lat), h)
+    gained[:, 0] += interval * cos(lat) * lean
     per_step = max(1, round(STEP_SECONDS / interval))
     steps = len(gained) // per_step
     first = len(gained) - steps * per_step  # the odd ones go at the beginning
     velocity = np.cumsum(gained[first:].reshape(steps, per_step, 2).sum(axis=1), axis=0)
 
-    rates = _dynamics(lat, h)
+    rates = _dynamics(lat, g)
     transition, spread = _discrete(rates, noise, per_step * interval)
     x = np.zeros(8)
-    sigmas = [_TILT, _TILT, _HEADING, *[noise.velocity_noise] * 2, *[noise.gyro_bias] * 3]
-    P = np.diag(np.square(sigmas))
-    R = noise.velocity_noise**2 * np.eye(2)
+    seen_at_once = max(noise.velocity_noise or 0.0, _ROUNDING)
+    bias = [noise.gyro_bias] * 3 if noise.gyro_bias is not None else [_ANY_BIAS, 0.0, 0.0]
+    least = (_TILT, _TILT, _HEADING)
+    attitude = [max(a, _SURELY * b) for a, b in zip(least, coarse.sigma, strict=True)]
+    P = np.diag(np.square([*attitude, seen_at_once, seen_at_once, *bias]))
+    R = seen_at_once**2 * np.eye(2)
     surprise = 0.0
     for seen in velocity:
         x, P = transition @ x, transition @ P @ transition.T + spread
@@ -176,22 +176,29 @@ def align_finely(
         keep = np.eye(8)
         keep[:, 3:5] -= gain
         P = keep @ P @ keep.T + gain @ R @ gain.T  # Joseph's form stays symmetric and positive
-    psi_n, psi_e, psi_d, _, _, *bias = x.tolist()
+    psi_n, psi_e, psi_d, _, _, bias_n, bias_e, bias_d = x.tolist()
     fine = product(from_rotation_vector((-psi_n, -psi_e, -psi_d)), end)
-    sigma_n, sigma_e, sigma_d, _, _, bias_n, bias_e, bias_d = np.sqrt(np.diag(P)).tolist()
+    spread_n, spread_e, spread_d = np.sqrt(np.diag(P)[5:]).tolist()
+    unseen = noise.gyro_bias is None
     return FineAlignment(
         coarse=coarse,
         q=fine,
-        sigma=(sigma_n, sigma_e, sigma_d),
-        gyro_bias=rotate(conjugate(fine), (bias[0], bias[1], bias[2])),
-        gyro_bias_sigma=(bias_n, bias_e, bias_d),
+        covariance=P[:3, :3] + _tilts(noise, g),
+        gyro_bias=rotate(conjugate(fine), (bias_n, bias_e, bias_d)),
+        gyro_bias_sigma=(spread_n, nan if unseen else spread_e, nan if unseen else spread_d),
         surprise=surprise,
     )
 
 
-def _dynamics(lat: float, h: float) -> Array:
+def _tilts(noise: SensorNoise, g: float) -> Array:
+    """(3, 3) of the attitude that the accelerometers' biases are taken for, rad²."""
+    tilt = (noise.accel_bias or 0.0) / g
+    return np.diag([tilt**2, tilt**2, 0.0])
+
+
+def _dynamics(lat: float, g: float) -> Array:
     """F of x' = F x; x is ψ (3), δv north and east, ε (3)."""
-    g, north, down = gravity(sin(lat), h), EARTH_RATE * cos(lat), -EARTH_RATE * sin(lat)
+    north, down = EARTH_RATE * cos(lat), -EARTH_RATE * sin(lat)
     F = np.zeros((8, 8))
     F[:3, :3] = -np.array([[0, -down, 0], [down, 0, -north], [0, north, 0]])
     F[:3, 5:] = np.eye(3)
@@ -201,7 +208,8 @@ def _dynamics(lat: float, h: float) -> Array:
 
 def _discrete(F: Array, noise: SensorNoise, seconds: float) -> tuple[Array, Array]:
     """Transition over so many seconds, and the covariance of the noise that comes in meanwhile."""
-    rates = [noise.angle_random_walk**2] * 3 + [noise.velocity_random_walk**2] * 2 + [0.0] * 3
+    walk, force = noise.angle_random_walk or 0.0, noise.velocity_random_walk or 0.0
+    rates = [walk**2] * 3 + [force**2] * 2 + [0.0] * 3
     spread = np.zeros((8, 8))
     for node, weight in zip(*np.polynomial.legendre.leggauss(4), strict=True):
         to_end = _exponential(F * (0.5 + 0.5 * node) * seconds)

@@ -9,7 +9,8 @@ from math import cos, isfinite, pi, sin
 
 from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.earth import earth_rate, gravity, gravity_lean, transport_rate
+from sculler_model.navigation.earth import earth_rate, transport_rate
+from sculler_model.navigation.gravity import NORMAL, Gravity, covers, pull, refuse_outside
 from sculler_model.navigation.rotation import (
     Vector,
     cross,
@@ -19,7 +20,15 @@ from sculler_model.navigation.rotation import (
     product,
     rotate,
 )
-from sculler_model.navigation.state import NavHistory, NavState, check_state, wrapped
+from sculler_model.navigation.state import (
+    NavHistory,
+    NavState,
+    VectorLike,
+    check_state,
+    three_numbers,
+    told_times,
+    wrapped,
+)
 
 
 class GeographicNavigator:
@@ -32,20 +41,25 @@ class GeographicNavigator:
     Args:
         state: at the start of the first interval.
         interval: length of a major interval, s.
+        gravity: the model to navigate by.
 
     Raises:
-        InputError: the state is not one to navigate from (see `check_state`), or at a pole.
+        InputError: the state is not one to navigate from (see `check_state`), at a pole, or
+            outside a gravity table.
     """
 
-    def __init__(self, state: NavState, interval: float) -> None:
+    def __init__(self, state: NavState, interval: float, gravity: Gravity = NORMAL) -> None:
         check_state(state)
+        refuse_outside(gravity, state.time, state.lat, state.h)
         if not abs(state.lat) < pi / 2:
             raise InputError(
                 "initial state: at a pole there is no north to point to, use the wander azimuth"
             )
         if not (isfinite(interval) and interval > 0):
             raise InputError(f"interval: {interval} s is not allowed, give a number > 0")
-        self._start, self._updates, self._interval = state.time, 0, interval
+        # the time counts from `_start` on, by intervals
+        self._start, self._since, self._interval = state.time, 0, interval
+        self._gravity = gravity
         self._state = self._past = state._replace(wander=0.0)
 
     @property
@@ -53,8 +67,8 @@ class GeographicNavigator:
         """The state at the end of the last update."""
         return self._state
 
-    def update(self, phi: Vector, dv_sf: Vector) -> NavState:
-        """Carry the state over one major interval.
+    def update(self, phi: VectorLike, dv_sf: VectorLike) -> NavState:
+        """Carry the state over one major interval; each vector a tuple, list or (3,) array.
 
         Args:
             phi: rotation vector of the body over the interval, against inertial space, rad.
@@ -64,10 +78,21 @@ class GeographicNavigator:
             The state at the interval's end.
 
         Raises:
-            InputError: the track has reached a pole, where north and longitude end.
+            InputError: an argument is not three finite numbers; the track has reached a pole,
+                where north and longitude end; the height has run away, or the gravity table ends.
         """
+        time = self._start + (self._since + 1) * self._interval
+        state = self._update(three_numbers("phi", phi), three_numbers("dv_sf", dv_sf), time)
+        self._since += 1
+        return state
+
+    def _update(self, phi: Vector, dv_sf: Vector, time: float) -> NavState:
         T = self._interval
         past, old = self._past, self._state
+        if not isfinite(sum(phi) + sum(dv_sf)):
+            raise InputError(
+                f"after {old.time:.3f} s: an increment is not finite, mend the vectors"
+            )
 
         # velocity: values at the middle, extrapolated from the past
         v_mid = plus(old.v, plus(old.v, past.v, -1.0), 0.5)
@@ -82,11 +107,8 @@ class GeographicNavigator:
         dv = plus(plus(dv, once, -0.5), cross(zeta, once), 1 / 12)
         coriolis = cross((2 * ie_n + en_n, 2 * ie_e + en_e, 2 * ie_d + en_d), v_mid)
         north, east, down = plus(plus(old.v, dv, 1.0), coriolis, -T)
-        v: Vector = (
-            north + T * cos_mid * gravity_lean(sin_mid, h_mid),
-            east,
-            down + T * gravity(sin_mid, h_mid),
-        )
+        lean, pulled = pull(self._gravity, sin_mid, h_mid)
+        v: Vector = (north + T * cos_mid * lean, east, down + T * pulled)
 
         # position: trapezoid, the curvature taken at its middle
         v_mean: Vector = (0.5 * (old.v[0] + v[0]), 0.5 * (old.v[1] + v[1]), 0.5 * (old.v[2] + v[2]))
@@ -110,8 +132,8 @@ class GeographicNavigator:
         q = product(old.q, from_rotation_vector(phi))
         q = normalised(product(from_rotation_vector(minus_zeta), q))
 
-        self._updates += 1
-        time = self._start + self._updates * T
+        if not covers(self._gravity, lat, h):
+            refuse_outside(self._gravity, time, lat, h)
         self._past, self._state = old, NavState(time, q, v, lat, wrapped(lon), h)
         return self._state
 
@@ -121,7 +143,16 @@ class GeographicNavigator:
         The position is by the trapezoid, whether or not ΔR_SF is there.
 
         Raises:
-            InputError: the track has reached a pole.
+            InputError: an interval is of short history, an increment is not finite, or the track
+                has reached a pole.
         """
-        pairs = zip(increments.phi.tolist(), increments.dv_sf.tolist(), strict=True)
-        return NavHistory.from_states([self.update(tuple(p), tuple(v)) for p, v in pairs])
+        increments.require_whole("navigation")
+        times = told_times(increments)
+        if times is None:
+            pairs = zip(increments.phi.tolist(), increments.dv_sf.tolist(), strict=True)
+            return NavHistory.from_states([self.update(p, v) for p, v in pairs])
+        rows = zip(increments.phi.tolist(), increments.dv_sf.tolist(), times.tolist(), strict=True)
+        states = [self._update(tuple(p), tuple(v), time) for p, v, time in rows]
+        if states:
+            self._start, self._since = states[-1].time, 0
+        return NavHistory.from_states(states)

@@ -18,13 +18,17 @@ from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.compiled import compiled_run
 from sculler_model.navigation.earth import GRAVITY_EQUATOR, SEMI_MAJOR_AXIS
-from sculler_model.navigation.rotation import Real, Vector, to_dcm
+from sculler_model.navigation.gravity import NORMAL, Gravity, covers, refuse_outside
+from sculler_model.navigation.rotation import Vector, to_dcm
 from sculler_model.navigation.state import (
     MAX_HEIGHT,
     MIN_HEIGHT,
     NavHistory,
     NavState,
+    VectorLike,
     check_state,
+    three_numbers,
+    told_times,
 )
 from sculler_model.navigation.wander import (
     NOT_YET,
@@ -119,10 +123,11 @@ class Navigator:
         position_every: j: position, gravity, Earth rate and curvature are worked out every j-th
             interval and extrapolated in between (Savage-98 Eq. 9, 19).
         height_damping: a loop that holds the height; none if left out.
+        gravity: the model to navigate by.
 
     Raises:
-        InputError: the state is not one to navigate from (see `check_state`), or an argument is
-            out of its range.
+        InputError: the state is not one to navigate from (see `check_state`), is outside a gravity
+            table, or an argument is out of its range.
     """
 
     def __init__(
@@ -132,11 +137,13 @@ class Navigator:
         *,
         position_every: int = 1,
         height_damping: HeightDamping | None = None,
+        gravity: Gravity = NORMAL,
     ) -> None:
         check_state(state)
+        refuse_outside(gravity, state.time, state.lat, state.h)
         if not (isfinite(interval) and interval > 0):
             raise InputError(f"interval: {interval} s is not allowed, give a number > 0")
-        if position_every < 1:
+        if position_every < 1 or position_every != int(position_every):
             raise InputError(
                 f"position every {position_every} intervals is not allowed, give 1 or more"
             )
@@ -146,17 +153,20 @@ class Navigator:
                 f" intervals of {interval:g} s, give at least {10 * interval:g} s"
             )
         damping = height_damping.gains if height_damping else (0.0, 0.0, 0.0, 0.0)
-        self._plain = Settings(interval, int(position_every), False, damping)
+        self._plain = Settings(interval, int(position_every), False, damping, gravity)
         self._high_resolution = self._plain._replace(high_resolution=True)
-        self._start, self._updates = state.time, 0
-        self._level = level(state.q, state.v, state.lat, state.lon, state.h, state.wander)
+        self._updates = 0
+        # the time counts from `_start` on, by intervals, or in `_told` it says itself
+        self._start, self._since = state.time, 0
+        self._told: Array | None = None
+        self._level = level(state.q, state.v, state.lat, state.lon, state.h, state.wander, gravity)
         self._state: NavState | None = state
 
     @property
     def state(self) -> NavState:
         """The state at the end of the last major interval."""
         if self._state is None:
-            self._state = NavState(self._times(self._updates), *geographic(self._level))
+            self._state = NavState(self._time, *geographic(self._level))
         return self._state
 
     @property
@@ -168,8 +178,13 @@ class Navigator:
         """
         return to_dcm(position(self._level)[0])
 
-    def update(self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None = None) -> NavState:
-        """Carry the state over one major interval.
+    def update(
+        self, phi: VectorLike, dv_sf: VectorLike, dr_sf: VectorLike | None = None
+    ) -> NavState:
+        """Carry the state over one major interval; each vector a tuple, list or (3,) array.
+
+        A result of short history (status bit 0) is not for this: begin after it, with the state
+        at its end.
 
         Args:
             phi: rotation vector of the body over the interval, against inertial space, rad.
@@ -183,17 +198,25 @@ class Navigator:
             The state at the interval's end.
 
         Raises:
-            InputError: a number is not finite, or the height has run away.
+            InputError: an argument is not three finite numbers, the height has run away, or the
+                gravity table ends.
         """
-        if not isfinite(sum(phi) + sum(dv_sf) + (sum(dr_sf) if dr_sf else 0.0)):
+        turn, dv = three_numbers("phi", phi), three_numbers("dv_sf", dv_sf)
+        dr = None if dr_sf is None else three_numbers("dr_sf", dr_sf)
+        self._end_of_told_times()
+        return self._update(turn, dv, dr)
+
+    def _update(self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None = None) -> NavState:
+        settings, dr = (self._plain, NOT_YET) if dr_sf is None else (self._high_resolution, dr_sf)
+        if not isfinite(sum(phi) + sum(dv_sf) + sum(dr)):
             raise self._not_finite()
-        settings, dr = (self._high_resolution, dr_sf) if dr_sf else (self._plain, NOT_YET)
         self._see_to_the_past(settings, phi, dv_sf, dr)
         self._level = step(self._level, settings, phi, dv_sf, dr)
         self._updates += 1
+        self._since += 1
         self._state = None
-        if not MIN_HEIGHT <= self.state.h <= MAX_HEIGHT:
-            raise self._run_away(self.state.h)
+        if not covers(self._plain.gravity, self.state.lat, self.state.h):
+            self._left_gravity()
         return self.state
 
     def run(self, increments: MajorIncrements, *, compiled: bool | None = None) -> NavHistory:
@@ -201,7 +224,7 @@ class Navigator:
 
         Args:
             increments: φ, ΔV_SF and, for a position of high resolution, ΔR_SF of R intervals, as
-                for `update`.
+                for `update`; where they have times, the states do.
             compiled: whether to go through Numba; if left out, where it is installed and there
                 are `WORTH_COMPILING` intervals up to now.
 
@@ -209,24 +232,29 @@ class Navigator:
             The states at the R interval ends.
 
         Raises:
-            InputError: an increment is not finite or missing, the height has run away, or
-                `compiled` is asked for without Numba.
+            InputError: an interval is of short history, an increment is not finite or missing, the
+                height has run away, the gravity table ends, or `compiled` is asked for without
+                Numba.
         """
-        arrays = [increments.phi, increments.dv_sf]
-        if increments.dr_sf is not None:
-            arrays.append(increments.dr_sf)
-        if not all(np.isfinite(array).all() for array in arrays):
-            raise self._not_finite()
+        increments.require_whole("navigation")
+        vectors = (increments.phi, increments.dv_sf, increments.dr_sf)
+        arrays = [np.asarray(array, np.float64) for array in vectors if array is not None]
         if any(array.shape != (len(increments), 3) for array in arrays):
             shapes = ", ".join(str(array.shape) for array in arrays)
             raise InputError(f"increments: shapes {shapes} differ, give (R, 3) each")
+        if not all(np.isfinite(array).all() for array in arrays):
+            raise self._not_finite()
+        self._end_of_told_times()
+        if increments.times is not None and len(increments):
+            self._start, self._since = self.state.time, 0
+            self._told = told_times(increments)
         worth = self._updates + len(increments) >= WORTH_COMPILING
         fast = compiled_run() if compiled or (compiled is None and worth) else None
         if compiled and fast is None:
             raise InputError("compiled navigation needs Numba: install sculler[fast]")
         if fast is None or not len(increments):
             rows = zip(*(map(tuple, array.tolist()) for array in arrays), strict=True)
-            return NavHistory.from_states([self.update(*row) for row in rows])
+            return NavHistory.from_states([self._update(*row) for row in rows])
 
         settings = self._high_resolution if len(arrays) > 2 else self._plain
         phi, dv, *more = (np.ascontiguousarray(array, np.float64) for array in arrays)
@@ -234,17 +262,28 @@ class Navigator:
         self._see_to_the_past(settings, *map(_first, (phi, dv, dr)))
         table = np.empty((len(phi), 11))
         self._level, done = fast(self._level, settings, phi, dv, dr, table)
-        times = self._times(self._updates + np.arange(1.0, len(phi) + 1))
-        self._updates += len(phi)
+        times = self._told
+        if times is None:
+            times = self._start + (self._since + np.arange(1.0, len(phi) + 1)) * settings.interval
+        carried = len(phi) if done == len(phi) else done + 1
+        self._updates += carried
+        self._since += carried
         self._state = None
         if done < len(phi):
-            self._updates += done + 1 - len(phi)
-            raise self._run_away(self.state.h)
+            self._left_gravity()
         return NavHistory.from_table(times, table)
 
-    def _times(self, updates: Real) -> Real:
-        """Time (s) after so many major intervals."""
-        return self._start + updates * self._plain.interval
+    @property
+    def _time(self) -> float:
+        """At the end of the last major interval, s."""
+        if self._told is not None and self._since:
+            return float(self._told[self._since - 1])
+        return self._start + self._since * self._plain.interval
+
+    def _end_of_told_times(self) -> None:
+        """From here on intervals are counted from the last one whose instant was told."""
+        if self._told is not None:
+            self._start, self._since, self._told = self._time, 0, None
 
     def _see_to_the_past(
         self, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vector
@@ -259,11 +298,9 @@ class Navigator:
             f"after {self.state.time:.3f} s: an increment is not finite, mend the vectors"
         )
 
-    def _run_away(self, h: float) -> InputError:
-        return InputError(
-            f"time {self.state.time:.3f} s: the height has run away to {h:.4g} m, as a free"
-            " vertical channel does, damp it or navigate for a shorter time"
-        )
+    def _left_gravity(self) -> None:
+        """Say where the track left what the model of gravity holds for."""
+        refuse_outside(self._plain.gravity, self.state.time, self.state.lat, self.state.h)
 
 
 def _first(vectors: Array) -> Vector:
@@ -282,9 +319,11 @@ def trajectory(
     Memory holds one block at a time, so a day-long log runs in as little as a short one.
 
     Raises:
-        InputError: an increment is not finite, or the mechanisation cannot follow the track.
+        InputError: an interval is of short history, an increment is not finite, or the
+            mechanisation cannot follow the track.
     """
     for block in increments:
+        block.require_whole("navigation")
         arrays = (block.phi, block.dv_sf, block.dr_sf)
         if not all(np.isfinite(array).all() for array in arrays if array is not None):
             raise InputError(
@@ -303,7 +342,8 @@ def navigate(
     """The whole track: the initial state, then the state at the end of every major interval.
 
     Args:
-        initial: state at the start of the first interval.
+        initial: state at the start of the first interval, which must not be of short history
+            (`MajorIncrements.leading_short`): leave those out, and give the state at their end.
         interval: length of a major interval, s.
         increments: in body axes; one block or several in order.  With ΔR_SF in them a mechanisation
             that can, `Navigator`, takes the position from it.

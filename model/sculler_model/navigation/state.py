@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import degrees, isfinite, pi, sqrt
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,13 @@ from numpy.typing import NDArray
 from sculler_model.errors import InputError
 from sculler_model.navigation.rotation import Quaternion, Vector, euler_angles, to_euler
 
+if TYPE_CHECKING:
+    from sculler_model.host import MajorIncrements
+
 Array = NDArray[np.float64]
 
 MIN_HEIGHT, MAX_HEIGHT = -10e3, 1000e3
-"""Heights (m) for which the gravity formula is meant."""
+"""Heights (m) to navigate in; normal gravity is right at all of them."""
 
 
 class NavState(NamedTuple):
@@ -151,6 +154,48 @@ def wrapped(angle: float) -> float:
     if angle > pi:
         return angle - 2 * pi
     return angle + 2 * pi if angle < -pi else angle
+
+
+VectorLike: TypeAlias = Sequence[float] | Array
+"""Three components as a tuple, a list or an array of shape (3,)."""
+
+
+def three_numbers(name: str, vector: VectorLike) -> Vector:
+    """A vector as three floats of Python.
+
+    Raises:
+        InputError: it is not three numbers.
+    """
+    numbers: tuple[object, ...] = ()
+    try:
+        x, y, z = vector
+        numbers = x + 0.0, y + 0.0, z + 0.0  # text has no such sum
+    except (TypeError, ValueError):
+        pass
+    floats = [float(number) for number in numbers if isinstance(number, float | np.floating)]
+    if len(floats) != 3:
+        shape = f" of shape {vector.shape}" if isinstance(vector, np.ndarray) else ""
+        raise InputError(
+            f"{name}: {type(vector).__name__}{shape} is not allowed, give three numbers as a"
+            " tuple, a list or an array of shape (3,)"
+        )
+    return (floats[0], floats[1], floats[2])
+
+
+def told_times(increments: MajorIncrements) -> Array | None:
+    """The instants that increments tell, checked.
+
+    Raises:
+        InputError: they are not one for each interval, finite and running forwards.
+    """
+    if increments.times is None:
+        return None
+    times = np.asarray(increments.times, np.float64)
+    if times.shape != (len(increments),):
+        raise InputError(f"times: shape {times.shape}, give ({len(increments)},)")
+    if not (np.isfinite(times).all() and (np.diff(times) > 0).all()):
+        raise InputError("times: give finite instants that run forwards")
+    return times
 
 
 def check_state(state: NavState) -> None:

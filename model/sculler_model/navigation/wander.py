@@ -23,10 +23,9 @@ from typing import NamedTuple
 from sculler_model.navigation.earth import (
     EARTH_RATE,
     ECCENTRICITY_SQUARED,
-    gravity,
-    gravity_lean,
     radii,
 )
+from sculler_model.navigation.gravity import Gravity, pull
 from sculler_model.navigation.rotation import (
     Quaternion,
     Vector,
@@ -68,12 +67,14 @@ class Settings(NamedTuple):
         high_resolution: position by the doubly integrated increments, not by the trapezoid.
         damping: gains of the height loop k1 (1/s), k2 (1/s²), k3 (1/s³), and the height (m) that
             it holds to; the gains are 0 for no loop.
+        gravity: the model to navigate by.
     """
 
     interval: float
     position_every: int
     high_resolution: bool
     damping: tuple[float, float, float, float]
+    gravity: Gravity
 
 
 class Level(NamedTuple):
@@ -110,14 +111,22 @@ class Level(NamedTuple):
 NOT_YET: Vector = (0.0, 0.0, 0.0)
 
 
-def level(q_nb: Quaternion, v_n: Vector, lat: float, lon: float, h: float, wander: float) -> Level:
+def level(
+    q_nb: Quaternion,
+    v_n: Vector,
+    lat: float,
+    lon: float,
+    h: float,
+    wander: float,
+    model: Gravity,
+) -> Level:
     """The carried state of geographic terms (see `NavState`), with a past that stood still."""
     to_level = about_z(-wander)
     theta = -0.5 * pi - lat  # C_en = R_z(lon) R_y(-90° - lat)
     to_earth: Quaternion = (cos(0.5 * theta), 0.0, sin(0.5 * theta), 0.0)
     place = normalised(product(about_z(lon), product(to_earth, about_z(wander))))
     v = rotate(to_level, v_n)
-    here = earth_at(place, h)
+    here = earth_at(place, h, model)
     q = normalised(product(to_level, q_nb))
     return Level(q, v, v, place, h, here, here, 0, NOT_YET, 0.0, 0.0)
 
@@ -151,7 +160,7 @@ def position(now: Level) -> tuple[Quaternion, float]:
     return place, now.h + now.climb
 
 
-def earth_at(place: Quaternion, h: float) -> Earth:
+def earth_at(place: Quaternion, h: float, model: Gravity) -> Earth:
     """The Earth at q_ew and height h (m), in w.
 
     The polar axis in w is (cos lat cos α, -cos lat sin α, -sin lat), the third row of C_ew.  The
@@ -164,11 +173,11 @@ def earth_at(place: Quaternion, h: float) -> Earth:
     meridian, prime_vertical = radii(pz)
     across = 1 / (prime_vertical + h)
     kappa = ECCENTRICITY_SQUARED / (1 - ECCENTRICITY_SQUARED) * across * meridian / (meridian + h)
-    leaning = gravity_lean(-pz, h)
+    leaning, down = pull(model, -pz, h)
     return Earth(
         (EARTH_RATE * px, EARTH_RATE * py, EARTH_RATE * pz),
         (across + kappa * px * px, kappa * px * py, across + kappa * py * py),
-        (leaning * px, leaning * py, gravity(pz, h)),
+        (leaning * px, leaning * py, down),
     )
 
 
@@ -183,7 +192,8 @@ def with_past(now: Level, after: Level, settings: Settings) -> Level:
 
     The extrapolations of `step` need a past; the first interval is therefore done twice.
     """
-    there = earth_at(*position(after))
+    place, h = position(after)
+    there = earth_at(place, h, settings.gravity)
     return Level(
         now.q,
         now.v,
@@ -286,5 +296,5 @@ def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vect
     if after.since < j:
         return after
     place, h = position(after)
-    here = earth_at(place, h)
+    here = earth_at(place, h, settings.gravity)
     return Level(q, v, now.v, place, h, here, now.earth, 0, NOT_YET, 0.0, offset)

@@ -9,9 +9,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
-import tempfile
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_hdl.ports import result_ports, sample_ports
+from sculler_hdl.target import cell_models
 from sculler_hdl.verilog import Generated
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
 from sculler_model.stream import from_words
+from sculler_sim import cache, processes
 from sculler_sim.place.devices import Family
 from sculler_sim.place.tools import YOSYS
 from sculler_sim.testbench import packed_hex
@@ -32,8 +31,12 @@ from sculler_sim.verilator_build import Tools
 _MODELS: dict[str, tuple[str, ...]] = {
     "ecp5": ("ecp5/common_sim.vh", "ecp5/ccu2c_sim.vh"),
     "ice40": ("ice40/cells_sim.v",),
+    "xilinx": ("xilinx/cells_sim.v",),
 }
 """The makers' cells as Yosys ships them."""
+
+_PORTS_ONLY = frozenset({"RAMB18E1", "RAMB36E1"})
+"""Modules among them that have no behaviour."""
 
 _BENCH = "sculler__bench"  # no design can be called so
 _LEAST_SAMPLES = 20
@@ -61,23 +64,20 @@ def simulate_netlist(
         A row of the design's columns for each complete major interval.
 
     Raises:
-        InputError: no simulator is installed, or the family has no models.
+        InputError: no simulator is installed, or a block has no model.
         RuntimeError: the simulator fails, or the core does not give its results.
     """
-    if family not in _MODELS:
-        raise InputError(f"{family}: no models of its cells, so its netlist cannot be simulated")
     results = len(counts) // design.samples_per_major
     if faults is None:
         faults = np.zeros(len(counts), np.int64)
     rows = np.column_stack([counts, faults]).tolist()
-    with tempfile.TemporaryDirectory(prefix="sculler-") as folder:
-        work = Path(folder)
+    with cache.workshop() as work:
         (work / "samples.hex").write_text(packed_hex(rows, sample_ports(design)), encoding="ascii")
         (work / "bench.v").write_text(
             _bench(design, generated, len(counts), results), encoding="ascii"
         )
         (work / "netlist.v").write_text(netlist, encoding="utf-8")
-        (work / "cells.v").write_text(_models(family, generated, netlist), encoding="utf-8")
+        (work / "cells.v").write_text(_models(family, netlist), encoding="utf-8")
         said = _simulate(work)
     lines = [line.split()[1] for line in said.splitlines() if line.startswith("RESULT ")]
     found = [_row(design, line) for line in lines]
@@ -212,26 +212,25 @@ endmodule
 """
 
 
-def _models(family: Family, generated: Generated, netlist: str) -> str:
+def _models(family: Family, netlist: str) -> str:
     """Models of the cells that the netlist has.
 
-    They are Yosys' own; of blocks of which Yosys has only the ports, the core's or ours.
+    They are Yosys' own; ours only of blocks of which Yosys has no more than the ports.
+
+    Raises:
+        InputError: of a block there is neither.
     """
     texts = [YOSYS.share(path).read_text(encoding="utf-8") for path in _MODELS[family]]
-    blocks = files("sculler_sim") / "place" / "cells"
-    ours = [
-        entry.read_text(encoding="utf-8")
-        for entry in sorted(blocks.iterdir(), key=lambda entry: entry.name)
-        if entry.name.endswith(".v")
-    ]
     known = {}
-    for text in (*texts, *generated.cells.values(), *ours):
+    for text in (*cell_models().values(), *texts):
         for found in re.finditer(r"^module (\w+).*?^endmodule", text, re.M | re.S):
             known[found[1]] = found[0]
     used: dict[str, str] = {}
     pending = [netlist]
     while pending:
         for name in re.findall(r"^\s*(\w+)\s", pending.pop(), re.M):
+            if name in _PORTS_ONLY:
+                raise InputError(f"no model of {name}, so a netlist with it cannot be simulated")
             if name in known and name not in used:
                 used[name] = known[name]
                 pending.append(known[name])
@@ -259,17 +258,8 @@ def _simulate(work: Path) -> str:
         environment = {**tools.environment, "MAKEFLAGS": make}
     said = ""
     for command in (compile_, run):
-        done = subprocess.run(
-            command,
-            cwd=work,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            check=False,
-        )
-        if done.returncode:
-            raise RuntimeError(f"{Path(command[0]).name} failed: {done.stdout.strip()[-300:]}")
-        said = done.stdout
+        (ended,) = processes.run(command, folder=work, environment=environment)
+        if ended.status:
+            raise RuntimeError(f"{Path(command[0]).name} failed: {ended.said.strip()[-300:]}")
+        said = ended.said
     return said

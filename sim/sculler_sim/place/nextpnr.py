@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 from sculler_model.errors import InputError
+from sculler_sim import cache
 from sculler_sim.place.devices import Device
 from sculler_sim.place.tools import NEXTPNR, ToolError
 
@@ -129,8 +128,7 @@ def _run(
     tool = NEXTPNR[device.family]
     grade = () if speed is None else ("--speed", str(speed))
     files = ("--json", "netlist.json", "--report", "report.json")
-    with tempfile.TemporaryDirectory(prefix="sculler-") as folder:
-        work = Path(folder)
+    with cache.workshop() as work:
         (work / "netlist.json").write_text(netlist, encoding="utf-8")
         status, log = tool.run(work, *device.options, *grade, *files, *options)
         if status:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
@@ -17,8 +18,7 @@ import sculler_sim
 from sculler_hdl.verilog import Generated, generate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_sim import cache
-from sculler_sim.files import replacing
+from sculler_sim import cache, processes
 from sculler_sim.place import nextpnr
 from sculler_sim.place.blocks import Limit, limits
 from sculler_sim.place.devices import DEVICES, FAMILY_NAMES, Device, Family
@@ -260,11 +260,10 @@ class Placer:
         made_of = [self.generated.verilog, json.dumps(self.blocks), self.device.title(self.speed)]
         made_of += [what, json.dumps(self.tools, sort_keys=True)]
         path = cache.entry(f"place-{self.design.name}", ".json", *made_of, *source)
-        if not path.exists():
-            found = json.dumps(find())
-            with replacing(path) as temporary:
-                temporary.write_text(found, encoding="utf-8")
-        data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        data = cache.kept(path)
+        if data is None:
+            data = find()
+            cache.keep(path, data)
         return data
 
 
@@ -305,7 +304,10 @@ def place(
                     routed[jobs[job]] = job.result()
                     done(1)
             except BaseException:
-                pool.shutdown(cancel_futures=True)
+                pool.shutdown(wait=False, cancel_futures=True)
+                while any(job.running() for job in jobs):
+                    processes.end_all()
+                    time.sleep(0.05)
                 raise
     ceiling = min((limit.mhz for limit in slow), default=float("inf"))
     manifest = placer.generated.manifest

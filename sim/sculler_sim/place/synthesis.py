@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from sculler_hdl.verilog import Generated
+from sculler_sim import cache
 from sculler_sim.place.devices import Family
 from sculler_sim.place.harness import CORE, TOP, harness
 from sculler_sim.place.tools import YOSYS, ToolError
@@ -118,8 +117,7 @@ def synthesise(generated: Generated, family: Family) -> Synthesis:
     name = generated.manifest["name"]
     harnessed = family == "ice40"
     script = _SCRIPT + (_HARNESS_SCRIPT if harnessed else "")
-    with tempfile.TemporaryDirectory(prefix="sculler-") as folder:
-        work = Path(folder)
+    with cache.workshop() as work:
         (work / "core.v").write_text(generated.verilog, encoding="utf-8")
         (work / "harness.v").write_text(
             harness(name, generated.manifest["ports"]), encoding="utf-8"

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from dataclasses import dataclass
 from importlib import metadata
 from importlib.resources import files
 from pathlib import Path
 
+from sculler_model import errors
 from sculler_model.errors import InputError
+from sculler_sim import processes
 
 
 @dataclass(frozen=True)
@@ -53,17 +54,8 @@ class Tool:
         """
         self.version()
         code = f"import sys, {self.module} as m; sys.exit(m.{self.function}(sys.argv[1:]))"
-        done = subprocess.run(
-            [sys.executable, "-c", code, *arguments],
-            cwd=folder,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            check=False,
-        )
-        return done.returncode, done.stdout
+        (ended,) = processes.run([sys.executable, "-c", code, *arguments], folder=folder)
+        return ended.status, ended.said
 
     def share(self, path: str) -> Path:
         """A file or folder that the package ships.
@@ -82,8 +74,8 @@ NEXTPNR = {
 }
 
 
-class ToolError(RuntimeError):
-    """A tool failed on what should have gone well; the last lines it said are in the message."""
+class ToolError(errors.ToolError):
+    """Yosys or nextpnr failed; the last lines it said are in the message."""
 
     def __init__(self, tool: Tool, said: str) -> None:
         tail = " | ".join(line.strip() for line in said.strip().splitlines()[-4:])

@@ -200,7 +200,7 @@ def test_tuned_rates_through_the_integer_path(name: str) -> None:
     F = response.value(omega / RATE)
     motion = Coning(ANGLE, omega)
     turn = np.exp(1j * omega * np.arange(1, count + 1) / RATE) * F * omega * np.sin(ANGLE)
-    samples = motion.rates(count, 1 / RATE, filtered=False)
+    samples = motion.rates(count, 1 / RATE, 1, filtered=False)
     samples[:, 0], samples[:, 1] = -turn.imag, turn.real
     found = coning_drift(case, samples)
     a = np.sin(ANGLE)

@@ -128,7 +128,10 @@ def study(
         frequency_picture(output, kind.title, kind.unit, data)
         data["picture"] = str(output)
     terminal.report(
-        data, as_json, *_tables(kind, data), *([f"picture: {output}"] if output else [])
+        data,
+        as_json,
+        *_tables(kind, data),
+        *([f"picture: {terminal.verbatim(output)}"] if output else []),
     )
 
 

