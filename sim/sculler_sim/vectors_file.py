@@ -126,12 +126,12 @@ def read_vectors(
             width, and the components are int64 where the design's fit it; without it they are
             Python integers (dtype object).
         chunk: rows in a block, which bound the memory.
-        missing: let rows be missing, that is, `major` jump forwards.
+        missing: let rows be missing, that is, `major` jump forwards, as where the design drops
+            results.
 
     Raises:
         InputError: the file cannot be read, is cut short, its header or a cell is wrong, `major`
-            does not run 0, 1, 2... (from 0 again after a reset; with gaps where the design drops
-            results), or the columns or a component do
+            does not run 0, 1, 2... (from 0 again after a reset), or the columns or a component do
             not fit the design.  The line is named.
     """
     lines = VectorLines(path)
@@ -141,15 +141,14 @@ def read_vectors(
             f' position = "{design.algorithm.position}" gives {len(design.columns)}; is this its'
             " vectors file?"
         )
-    gaps = design is not None and design.drops_results
+    missing = missing or (design is not None and design.drops_results)
     dtype = np.dtype(object) if design is None else component_dtype(design)
     major = -1
     while numbered := list(islice(lines, chunk)):
         cells = [lines.row(number, line) for number, line in numbered]
         rows = [integers for integers, _ in cells]
         for (number, _), row in zip(numbered, rows, strict=True):
-            gap = (missing or gaps) and row[0] > major
-            if row[0] not in (0, major + 1) and not gap:
+            if row[0] not in (0, major + 1) and not (missing and row[0] > major):
                 raise InputError(
                     f"{path}: line {number}: major is {row[0]} where {major + 1} should follow,"
                     " rows are missing or out of order"

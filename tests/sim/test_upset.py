@@ -67,6 +67,9 @@ SHAPES = {
     for target in targets
     for hardware in ({"target": target}, {"target": target, "multipliers": 0})
     if design.name != "stim300_4x5" or len(hardware) == 1  # a long run without a multiplier
+} | {
+    f"{CN1.name}-{target}-drop": compact(CN1, target=target, overrun="drop-result")
+    for target in ("generic", "ecp5")
 }
 
 
@@ -106,7 +109,11 @@ def test_the_bench_sees_a_word_that_no_reset_mends(tmp_path):
         f" cn1_tb.core.{left.path} [47] = 3; endmodule"
     )
     done = shell(command, tmp_path)
-    assert re.match(r"FAIL: result 0, word 2, result_data: \d+, expected \d+\n", done.stdout)
+    told = re.fullmatch(
+        r"FAIL: result 0, word 2, result_data: (\d+), expected (\d+)\n.*", done.stdout, re.S
+    )
+    assert told, done.stdout
+    assert int(told[1]) ^ int(told[2]) == 2  # the constant is 3 where it should be 1
 
 
 def run(text, folder, sources):

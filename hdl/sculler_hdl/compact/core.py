@@ -98,7 +98,7 @@ class CompactCore(wiring.Component):
             samples.address.eq(engine.sample_address),
             engine.sample_data.eq(samples.data.as_signed()),
             results.write.eq(engine.store),
-            results.write_address.eq(Cat(engine.store_address, reader.filling ^ engine.other_bank)),
+            results.write_address.eq(Cat(engine.store_address, reader.filling ^ engine.bank)),
             results.write_data.eq(engine.store_data),
             # the result is read
             reader.publish.eq(engine.publish),

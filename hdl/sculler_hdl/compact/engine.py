@@ -19,7 +19,14 @@ from sculler_hdl.compact.memory import BlockMemory
 from sculler_hdl.compact.microcode import microcode
 from sculler_hdl.compact.pipeline import pipeline
 from sculler_hdl.compact.product import Product
-from sculler_hdl.compact.program import OPERAND, When, kept_samples, program, sample_words
+from sculler_hdl.compact.program import (
+    OPERAND,
+    When,
+    kept_samples,
+    program,
+    result_banks,
+    sample_words,
+)
 from sculler_model.design import Design
 from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
 from sculler_model.vectors import STATUS_LOST, STATUS_RAIL
@@ -40,7 +47,7 @@ class Engine(wiring.Component):
         step (out): a clock in which the pipeline moves on.
         sample_address (out), sample_data (in): to the sample memory, slot above index.
         store, store_address, store_data (out): to the result memory.
-        other_bank (out): that goes to its bank that is not being filled.
+        bank (out): of the result memory, that goes to, counted from the one being filled.
     """
 
     def __init__(self, design: Design, *, primitive: bool = True) -> None:
@@ -72,7 +79,7 @@ class Engine(wiring.Component):
                 "store": Out(1),
                 "store_address": Out(range(words_per_result(design))),
                 "store_data": Out(WORD_BITS),
-                "other_bank": Out(1),
+                "bank": Out((result_banks(design) - 1).bit_length()),
             }
         )
 
@@ -82,6 +89,7 @@ class Engine(wiring.Component):
         left, right = self._operands(m, operands, word)
         constant = operands.as_value()[: program(self.design).constant_bits].as_signed()
         digit = self._accumulate(m, word, left, right, constant)
+        bank_bits = (word.sample, word.release)[: len(self.bank)]
         # two bits of the status are put in where it is stored, for they need no instruction
         status = self.design.columns.index("status") * words_per_column(self.design)
         flags = Mux(self.present.rail, STATUS_RAIL, 0) | Mux(self.present.lost, STATUS_LOST, 0)
@@ -95,7 +103,7 @@ class Engine(wiring.Component):
             self.store.eq(word.store_result & self.step),
             self.store_address.eq(word.address),
             self.store_data.eq(digit[:WORD_BITS] | Mux(word.address == status, flags, 0)),
-            self.other_bank.eq(self.starting & word.sample),
+            self.bank.eq(Cat(self.starting & bit for bit in bank_bits)),
         ]
         return m
 

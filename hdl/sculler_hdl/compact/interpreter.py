@@ -11,6 +11,7 @@ from sculler_hdl.compact.program import (
     When,
     digit_count,
     digits_per_count,
+    result_banks,
     short_majors,
 )
 from sculler_model.golden import Sample
@@ -30,9 +31,11 @@ class Interpreter:
         self.program = program
         self.delay = delay
         self.memory: dict[str, dict[int, int]] = {"left": {}, "right": {}, "result": {}}
-        self.other_bank: dict[int, int] = {}  # of results: not the one being filled
+        # of results, the one being filled first
+        self.banks: list[dict[int, int]] = [{} for _ in range(result_banks(program.design))]
+        self.memory["result"] = self.banks[0]
         for load in program.startup:
-            memory = self.other_bank if load.other_bank else self.memory[load.memory]
+            memory = self.banks[load.bank] if load.memory == "result" else self.memory[load.memory]
             memory[load.address] = load.value
         self.samples: list[list[int]] = []  # digits of each sample, newest last
         self.t = 0
@@ -71,8 +74,9 @@ class Interpreter:
         self.t += 1
         if self.t % length:
             return None
-        filled = self.memory["result"]
-        self.memory["result"], self.other_bank = self.other_bank, filled
+        filled, *others = self.banks
+        self.banks = [*others, filled]
+        self.memory["result"] = others[0]
         words = [filled[word] & (1 << WORD_BITS) - 1 for word in range(words_per_result(design))]
         # the engine puts it in where the status is stored
         words[design.columns.index("status") * words_per_column(design)] |= STATUS_RAIL * self.rail

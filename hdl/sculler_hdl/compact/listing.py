@@ -15,6 +15,7 @@ from sculler_hdl.compact.program import (
     When,
     kept_samples,
     program,
+    result_banks,
     sample_words,
 )
 from sculler_model.design import Design
@@ -38,7 +39,7 @@ def figures(design: Design) -> dict[str, int]:
         "left_words": len(made.left.names),
         "right_words": len(made.right.names),
         "sample_words": kept_samples(design) * sample_words(design),
-        "result_words": 2 * words_per_result(design),
+        "result_words": result_banks(design) * words_per_result(design),
         "accumulator_bits": made.accumulator.bits,
     }
 
@@ -71,9 +72,10 @@ def _lines(design: Design) -> Iterator[str]:
     yield f"{'latency':<24} {clocks.latency:>6} clocks"
     yield ""
     columns = words_per_result(design) // words_per_column(design)
+    banks = {2: "two", 3: "three"}[result_banks(design)]
     yield (
-        f"Result memory: two banks of {columns} columns x {words_per_column(design)} words, filled"
-        " and streamed out in turns;\naddresses as in the left memory."
+        f"Result memory: {banks} banks of {columns} columns x {words_per_column(design)} words,"
+        " filled and streamed out in turns;\naddresses as in the left memory."
     )
     yield (
         f"Sample memory: {kept_samples(design)} samples, each of {sample_words(design)} words"
@@ -114,7 +116,7 @@ def _map(title: str, memory: Memory) -> Iterator[str]:
 
 
 def _load(load: Load) -> str:
-    bank = " of the other bank" if load.other_bank else ""
+    bank = f" of bank {load.bank}" if load.bank else ""
     return f"      {_MEMORY[load.memory]}{load.address} = {load.value}{bank}"
 
 

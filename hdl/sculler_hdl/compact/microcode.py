@@ -128,7 +128,9 @@ def _encode_startup(loads: tuple[Load, ...], operands: dict[str, int]) -> list[d
             "address": load.address,
             "signed": 1,
             f"store_{load.memory}": 1,
-            "sample": int(load.other_bank),  # there is no operand that it could be about
+            # neither is used so early: there is no operand and nothing to let in
+            "sample": load.bank & 1,
+            "release": load.bank >> 1,
         }
     return words
 

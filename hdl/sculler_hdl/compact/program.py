@@ -193,13 +193,13 @@ class Load:
     Attributes:
         memory: "left", "right" or "result".
         address, value: in it.
-        other_bank: of the result memory, the bank that is not being filled.
+        bank: of the result memory; 0 is the one that is being filled.
     """
 
     memory: str
     address: int
     value: int
-    other_bank: bool = False
+    bank: int = 0
 
 
 @dataclass(frozen=True)
@@ -261,6 +261,11 @@ def kept_samples(design: Design) -> int:
     """
     least = design.table.history + 1 + design.algorithm.samples
     return 1 << (least - 1).bit_length()
+
+
+def result_banks(design: Design) -> int:
+    """Results in the result memory: one shown, one filled; where results are dropped one waits."""
+    return 3 if design.drops_results else 2
 
 
 def short_majors(design: Design) -> int:
@@ -654,7 +659,7 @@ def _startup(
     """What no instruction writes before it counts.
 
     The constants; 0 in right words that are first multiplied by 0, which would do without, were it
-    not that simulators take 0 times unknown for unknown; and 0 in those words of both banks of
+    not that simulators take 0 times unknown for unknown; and 0 in those words of all banks of
     results that no instruction writes.
 
     Args:
@@ -679,8 +684,8 @@ def _startup(
     }
     for address in range(words_per_result(design)):
         if address not in results:
-            for other_bank in (False, True):
-                yield Load("result", address, 0, other_bank)
+            for bank in range(result_banks(design)):
+                yield Load("result", address, 0, bank)
 
 
 @lru_cache(maxsize=32)
