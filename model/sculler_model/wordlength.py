@@ -13,7 +13,7 @@ from functools import reduce
 from sculler_model.coefficients import TapTable
 from sculler_model.scrolling import scrolling_weights_total
 
-MAX_BITS = 448
+MAX_BITS = 512
 """Of a result's component, and of the denominators.
 
 The widest published table, filtered-rate with n = p = 16, needs 395 bits for 32-bit counts and

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import codecs
 import re
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from decimal import Decimal
@@ -171,15 +172,21 @@ def is_content(line: str) -> bool:
 def _table(
     lines: list[str], kinds: np.dtype[np.void], delimiter: str | None, places: Sequence[int]
 ) -> NDArray[np.void]:
-    table: NDArray[np.void] = np.loadtxt(
-        lines,
-        dtype=kinds,
-        delimiter=delimiter,
-        usecols=places,
-        ndmin=1,
-        comments=COMMENT,
-        quotechar='"',
-    )
+    with warnings.catch_warnings():
+        # NumPy 1 only warns where it reads a whole number through a float, which loses digits
+        warnings.simplefilter("error", DeprecationWarning)
+        try:
+            table: NDArray[np.void] = np.loadtxt(
+                lines,
+                dtype=kinds,
+                delimiter=delimiter,
+                usecols=places,
+                ndmin=1,
+                comments=COMMENT,
+                quotechar='"',
+            )
+        except DeprecationWarning as warning:
+            raise ValueError(str(warning)) from warning
     return table
 
 

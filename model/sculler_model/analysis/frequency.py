@@ -41,6 +41,9 @@ Array = NDArray[np.float64]
 RECORD_SAMPLES = 20_000
 """Samples of a record, at least."""
 
+MOST_SAMPLES = 1_000_000
+"""Of a record: it is held in memory whole, some 400 bytes a sample."""
+
 RECORD_PERIODS = 7
 """Periods of a record, at least."""
 
@@ -246,7 +249,8 @@ def record(design: Design, hertz: float, least_samples: int = RECORD_SAMPLES) ->
         least_samples: samples of the record, at least; and at least `RECORD_PERIODS` periods.
 
     Raises:
-        InputError: the frequency is not between 0 and the Nyquist limit.
+        InputError: the frequency is not between 0 and the Nyquist limit, or so low that a record
+            is longer than `MOST_SAMPLES`.
     """
     rate, span = design.sensor.sample_rate_hz, design.samples_per_major
     if not 0 < hertz < rate / 2:
@@ -255,6 +259,12 @@ def record(design: Design, hertz: float, least_samples: int = RECORD_SAMPLES) ->
             f" {design.name}, give one that is"
         )
     least = max(least_samples, RECORD_PERIODS * rate / hertz)
+    if least > MOST_SAMPLES:
+        raise InputError(
+            f"frequency: {hertz:g} Hz is too low for {rate:g} samples/s of {design.name}:"
+            f" {RECORD_PERIODS} periods are more than {MOST_SAMPLES:,} samples, give at least"
+            f" {1.001 * RECORD_PERIODS * rate / MOST_SAMPLES:.4g} Hz"
+        )
     samples = -(-int(least) // span) * span
     periods = round(hertz * samples / rate)
     while gcd(periods, samples) > 1:

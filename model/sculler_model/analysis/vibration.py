@@ -52,7 +52,7 @@ import csv
 import io
 from dataclasses import dataclass
 from itertools import pairwise
-from math import ceil, isfinite, log, sqrt
+from math import ceil, log, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -81,6 +81,9 @@ STEP = 0.05
 
 HIGHEST = 1e5
 """Highest frequency of a spectrum, Hz: the sums have a term each `STEP`."""
+
+DENSEST = 1e6
+"""Largest density of a spectrum, g²/Hz, far above any vibration."""
 
 COLUMNS = ("freq_hz", "psd_g2_per_hz")
 """Header of a spectrum file."""
@@ -111,11 +114,11 @@ class Spectrum:
         for number, (frequency, density) in enumerate(
             zip(self.frequencies, self.densities, strict=True), start=1
         ):
-            if not (0 < frequency <= HIGHEST and density > 0 and isfinite(density)):
+            if not (0 < frequency <= HIGHEST and 0 < density <= DENSEST):
                 raise InputError(
                     f"{self.name}: point {number}: {frequency:g} Hz, {density:g} g²/Hz is not"
-                    f" allowed, give frequencies > 0 and <= {HIGHEST:,.0f} Hz and finite densities"
-                    " > 0 (outside its points a spectrum is zero)"
+                    f" allowed, give frequencies > 0 and <= {HIGHEST:,.0f} Hz and densities > 0 and"
+                    f" <= {DENSEST:g} g²/Hz (outside its points a spectrum is zero)"
                 )
         for before, after in pairwise(self.frequencies):
             if after < before:
