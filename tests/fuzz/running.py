@@ -124,6 +124,8 @@ class Bench:
         taken = time.monotonic() - began
         out, err = ((self._ours / name).read_text("utf-8", "replace") for name in ("out", "err"))
         what = verdict(status, err, taken)
+        if warming and status != 0:
+            what = f"status {status} of a valid example"
         left = self._tidy(case, status)
         if what is None and left:
             what = f"leaves {left}"

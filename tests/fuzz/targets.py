@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fuzz.recordings import write_recordings
 from sculler.main import main
 
 
@@ -33,13 +34,16 @@ CONVERT = "convert {} -o out.csv --design inc.toml"
 RATES = CONVERT + " --gyro-unit rad/s --accel-unit m/s2 --time-column t"
 COUNTS = CONVERT + " --gyro-unit counts --accel-unit counts"
 MATRIX = CONVERT + " --variable imu --gyro-unit rad --accel-unit m/s --time-column 7"
+RAW = "convert {} -o out.csv --design wide.toml"
+FAST = RAW.replace("wide.toml", "fast.toml")
+HDF5 = RAW + " --gyro-unit rad/s --accel-unit m/s2"
 NAVIGATE = "navigate inc.toml {} -o out.csv --no-plots --lat 47 --lon 8 --height 400"
 TRUTH = "navigate inc.toml vectors.csv -o out.csv --no-plots --truth {}"
 MOTION = "motion {} -o out.csv --truth t.csv --duration=1"
 ADVISE = "advise inc.toml --spectrum {} --drift 0.01 -o out.toml"
 SIMULATE = "simulate tiny.toml {} -o out.csv --engine amaranth"
 TURNED = " --gyro-bias 1,2,3 --axes y,x,-z --max-gap 1 --gaps bridge --misalignment 0.1,0,0"
-GIVEN = " --heading 3 --vn 2 --start 0.02 --axes x,y,z --height-damping 100 --position-every 2"
+GIVEN = " --heading 3 --vn 2 --start 0.08 --axes x,y,z --height-damping 100 --position-every 2"
 SHAKEN = " --lat 4 --half-angle 1 --frequency 9 --vibration 0.1 --vibration-band 5-20"
 FAMILY = "--family time-taylor --samples 3 --history 0 --minors 2 --rate 100 --half-angle 0.1"
 
@@ -60,7 +64,7 @@ TARGETS = (
     Target("log-fault", "faulty.csv", "model rate.toml {} -o out.csv --engine reference"),
     Target("log-simulate", "short.csv", SIMULATE, 10),
     Target("vectors", "vectors.csv", NAVIGATE),
-    Target("vectors-align", "vectors.csv", NAVIGATE + " --align 2 --fine"),
+    Target("vectors-align", "rest.csv", NAVIGATE + " --align 11 --fine", 2),
     Target("vectors-hires", "hires.csv", NAVIGATE.replace("inc.toml", "hires.toml")),
     Target("vectors-report", "vectors.csv", NAVIGATE.replace("--no-plots", "--report r.html"), 20),
     Target("compare-a", "vectors.csv", "compare {} vectors2.csv"),
@@ -68,7 +72,7 @@ TARGETS = (
     Target("truth", "truth.csv", TRUTH),
     Target("truth-euler", "euler.csv", TRUTH),
     Target("truth-npz", "truth.npz", TRUTH),
-    Target("truth-mat", "truth.mat", TRUTH),
+    Target("truth-mat", "truth.mat", TRUTH, 4, programs=True),
     Target("truth-parquet", "truth.parquet", TRUTH),
     Target("convert-csv", "rates.csv", RATES),
     Target("convert-resample", "rates.csv", RATES + " --steps resample --axes RFU"),
@@ -81,8 +85,19 @@ TARGETS = (
     Target("convert-auto-binary", "kfgins.bin", CONVERT),
     Target("convert-psins", "log.imu", CONVERT),
     Target("convert-npz", "log.npz", CONVERT),
-    Target("convert-mat", "log.mat", MATRIX),
+    Target("convert-mat", "log.mat", MATRIX, 4, programs=True),
+    Target("convert-hdf5", "imu.h5", HDF5, 4, programs=True),
     Target("convert-parquet", "log.parquet", RATES),
+    Target("convert-stim300", "stim300.bin", FAST + " --gyro-unit counts --accel-unit counts"),
+    Target("convert-novatel", "novatel.bin", RAW),
+    Target("convert-vectornav", "vectornav.bin", RAW),
+    Target("convert-xsens", "xsens.bin", RAW),
+    Target("convert-adis16495", "adis16495.bin", RAW + " --gyro-unit counts --accel-unit counts"),
+    Target("convert-adis16470", "adis16470.bin", RAW + " --gyro-unit counts --accel-unit counts"),
+    Target("convert-hg4930", "hg4930.bin", RAW + " --gaps ignore"),
+    Target("convert-bag", "imu.bag", RAW, 2),
+    Target("convert-mcap", "imu.mcap", RAW, 2),
+    Target("convert-db3", "imu.db3", RAW, 2),
     Target("options-convert", "", RATES.format("rates.csv") + TURNED),
     Target("options-navigate", "", NAVIGATE.format("vectors.csv") + GIVEN),
     Target("options-motion", "", MOTION.format("coning --design inc.toml") + SHAKEN),
@@ -119,14 +134,16 @@ def _designs() -> dict[str, str]:
         "inc": design("inc", "history = 1"),
         "rate": design("rate", kind="rate", family="filtered-rate"),
         "table": design(
-            "table",
+            "own_table",
             "[algorithm.table]\ndenominator = 3\ntaps = [[], [2, -1]]\nsum_denominator = 1\n"
             "weights = [1, 1]",
             family="table",
         ),
         "tuned": design(
             "tuned",
-            'filter = { kind = "measured", file = "response.csv" }\ndenominator_bits = 16',
+            'filter = { kind = "measured", file = "response.csv" }\n'
+            "band = { low_hz = 1.0, high_hz = 40.0 }\ndenominator_bits = 16\n"
+            'match = "least-squares"',
             kind="rate",
             family="tuned",
         ),
@@ -138,6 +155,10 @@ def _designs() -> dict[str, str]:
         ),
         "sinc": design("sinc", sinc, kind="rate", family="tuned"),
         "hires": design("hires", 'position = "high-resolution"'),
+        "wide": design("wider").replace("bits = 24", "bits = 32").replace("e-7", "e-9").replace(
+            "e-5", "e-7"
+        ),
+        "fast": design("fast").replace("= 100.0", "= 2000.0"),
         "tiny": tiny + '[hardware]\ncore = "compact"\nmultipliers = 0\n',
     }  # fmt: skip
 
@@ -165,10 +186,14 @@ def examples(folder: Path) -> dict[str, bytes]:
     run(*f"motion turn --design {folder}/inc.toml -o {folder}/turn.csv --truth {folder}/truth.csv"
         " --duration 4".split())  # fmt: skip
     run("model", f"{folder}/inc.toml", f"{folder}/turn.csv", "-o", f"{folder}/vectors.csv")
+    run(*f"motion rest --design {folder}/inc.toml -o {folder}/s.csv --truth {folder}/st.csv"
+        " --duration 12".split())  # fmt: skip
+    run("model", f"{folder}/inc.toml", f"{folder}/s.csv", "-o", f"{folder}/rest.csv")
     (folder / "vectors2.csv").write_bytes((folder / "vectors.csv").read_bytes())
     run("model", f"{folder}/hires.toml", f"{folder}/turn.csv", "-o", f"{folder}/hires.csv")
     _truths(folder)
     _logs(folder, rng)
+    write_recordings(folder)
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
