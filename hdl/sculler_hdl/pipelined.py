@@ -34,7 +34,14 @@ from amaranth.lib import wiring
 
 from sculler_hdl.parts.accumulate import Accumulation, Accumulator
 from sculler_hdl.parts.cross import SHARINGS, CrossArray, Crossing, Operand, Sharing
-from sculler_hdl.parts.handover import LIMB, HandOver, Moves, StreamHandOver, complete_clock
+from sculler_hdl.parts.handover import (
+    LIMB,
+    RAIL_DELAY,
+    HandOver,
+    Moves,
+    StreamHandOver,
+    complete_clock,
+)
 from sculler_hdl.parts.losses import Losses
 from sculler_hdl.parts.multiply import FRINGES
 from sculler_hdl.parts.position import Position, Positioning
@@ -72,8 +79,8 @@ MAJOR_CLOCK = 3
 """At which the hand-over is told that a result comes."""
 STATUS_CLOCK = MAJOR_CLOCK + 1
 """At which its status is there."""
-RAIL_BITS = 12
-"""Bits of a count that are held against its rail together."""
+RAIL_CLOCK = STATUS_CLOCK + RAIL_DELAY
+"""At which its status bit 2 is."""
 LATENCY_GOAL = 24
 """Clocks from an interval's last sample to its result that sharing is not to pass."""
 POSITION_LATENCY_GOAL = 32
@@ -618,7 +625,8 @@ class PipelinedCore(wiring.Component):
         rail = self._rail(m, tap_samples, flags["gyro"]["taken"], ended)
         m.d.comb += [
             handover.major_end.eq(ended.at(handover.clock)),
-            handover.status.eq(Cat(short, fault, rail, lost)),
+            handover.status.eq(Cat(short, fault, 0, lost)),
+            handover.rail.eq(rail),
             handover.ready.eq(self.result_ready),
             self.result_valid.eq(handover.valid),
         ]
@@ -642,23 +650,37 @@ class PipelinedCore(wiring.Component):
     def _rail(
         self, m: Module, samples: dict[str, list[Word]], taken: FlagLine, ended: FlagLine
     ) -> Value:
-        """At `STATUS_CLOCK`: a count of the interval so far, this sample included, is at a rail.
+        """At `RAIL_CLOCK`: a count of the interval so far, this sample included, is at a rail.
 
-        There every bit of it differs from its sign.
+        There every bit of it differs from its sign.  This is found in small steps, for the counts
+        stand far apart.
         """
-        clock = TAP_CLOCK
-        parts = []  # of each count
-        for words in samples.values():
+        sensors = []
+        for sensor, words in samples.items():
+            whole: list[Value] = []  # at TAP_CLOCK + 2, some for each count
             for word in words:
-                *bits, sign = word.window(0, len(word.value), clock)
-                differs = Signal(-(-len(bits) // RAIL_BITS), name=f"{word.name}_rail")
-                for i, part in enumerate(differs):
-                    some = Cat(bits[i * RAIL_BITS : (i + 1) * RAIL_BITS])
-                    m.d.sync += part.eq(Mux(sign, ~some.any(), some.all()))
-                parts.append(differs)
-        newest, rail = Signal(name="newest_rail"), Signal(name="rail")
+                *bits, sign = word.window(0, len(word.value), TAP_CLOCK)
+                few = [
+                    _held(m, f"{word.name}_rail{i}", Cat(bit != sign for bit in bits[i : i + 3]))
+                    for i in range(0, len(bits), 3)
+                ]
+                parts = [
+                    _held(m, f"{word.name}_rails{i}", Cat(few[i : i + 4]))
+                    for i in range(0, len(few), 4)
+                ]
+                whole.append(Cat(parts).all())
+            sensors.append(Signal(name=f"{sensor}_at_rail"))
+            m.d.sync += sensors[-1].eq(Cat(whole).any())
+        newest, rail = Signal(name="newest_at_rail"), Signal(name="rail")
         m.d.sync += [
-            newest.eq(Cat(part.all() for part in parts).any()),
-            rail.eq((newest & taken.at(clock + 2)) | (rail & ~ended.at(clock + 3))),
+            newest.eq(Cat(sensors).any() & taken.at(RAIL_CLOCK - 2)),
+            rail.eq(newest | (rail & ~ended.at(RAIL_CLOCK))),
         ]
         return rail
+
+
+def _held(m: Module, name: str, bits: Value) -> Value:
+    """Whether all bits are 1, a clock later."""
+    held = Signal(name=name, reset_less=True)
+    m.d.sync += held.eq(bits.all())
+    return held

@@ -194,7 +194,7 @@ def test_the_bench_passes(icarus, design, tmp_path):
     run_bench(design, tmp_path, ((1, 50), (2, 100)))
 
 
-@pytest.mark.parametrize("name", ["smallest-pipelined", "dense_odd_3-compact-ice40"])
+@pytest.mark.parametrize("name", ["smallest-pipelined", "smallest-streaming", "smallest-compact"])
 def test_verilators_full_lint_has_nothing_to_say(verilator, name, tmp_path):
     design = DROPPING[name]
     bench_of(design, tmp_path)

@@ -29,9 +29,11 @@ from sculler_hdl.compact.program import (
 )
 from sculler_model.design import Design
 from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
-from sculler_model.vectors import STATUS_LOST, STATUS_RAIL
+from sculler_model.vectors import STATUS_BITS, STATUS_LOST, STATUS_RAIL
 
 BITS = OPERAND.bits
+STATUS = range(STATUS_BITS)
+RAIL, LOST = (mark.bit_length() - 1 for mark in (STATUS_RAIL, STATUS_LOST))
 
 
 class Engine(wiring.Component):
@@ -65,6 +67,8 @@ class Engine(wiring.Component):
         # of the sample that is worked on
         self.newest = Signal(self.slot_bits)
         self.present = Signal(CONDITIONS)
+        # two bits of the status, put in where it is stored, so that they need no instruction
+        self.marks = {RAIL: Signal(name="rail"), LOST: Signal(name="lost")}
         super().__init__(
             {
                 "launch": In(1),
@@ -90,9 +94,6 @@ class Engine(wiring.Component):
         constant = operands.as_value()[: program(self.design).constant_bits].as_signed()
         digit = self._accumulate(m, word, left, right, constant)
         bank_bits = (word.sample, word.release)[: len(self.bank)]
-        # two bits of the status are put in where it is stored, for they need no instruction
-        status = self.design.columns.index("status") * words_per_column(self.design)
-        flags = Mux(self.present.rail, STATUS_RAIL, 0) | Mux(self.present.lost, STATUS_LOST, 0)
         for memory, store in ((self.left, word.store_left), (self.right, word.store_right)):
             m.d.comb += [
                 memory.write.eq(store & self.step),
@@ -102,7 +103,9 @@ class Engine(wiring.Component):
         m.d.comb += [
             self.store.eq(word.store_result & self.step),
             self.store_address.eq(word.address),
-            self.store_data.eq(digit[:WORD_BITS] | Mux(word.address == status, flags, 0)),
+            self.store_data.eq(
+                digit[:WORD_BITS] | Cat(self.marks.get(bit, C(0, 1)) for bit in STATUS)
+            ),
             self.bank.eq(Cat(self.starting & bit for bit in bank_bits)),
         ]
         return m
@@ -117,10 +120,16 @@ class Engine(wiring.Component):
         )
         fetched = data.View(layout, words.data)
         word = Signal(layout["actions"].shape)
+        status = self.design.columns.index("status") * words_per_column(self.design)
+        is_status = fetched.actions.address == status
         # until then it is unknown what the memory shows; words that act come later in any case
         settling = Signal(range(words.latency + 1), init=words.latency)
         with m.If(self.step):
-            m.d.sync += word.eq(fetched.actions)
+            m.d.sync += [
+                word.eq(fetched.actions),
+                self.marks[RAIL].eq(self.present.rail & is_status),
+                self.marks[LOST].eq(self.present.lost & is_status),
+            ]
             with m.If(settling != 0):
                 m.d.sync += [word.eq(0), settling.eq(settling - 1)]
         counter = Signal(range(len(code.words)))

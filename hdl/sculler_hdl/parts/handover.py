@@ -11,8 +11,19 @@ from sculler_hdl.parts.losses import event_counter
 from sculler_hdl.parts.words import Arrival, FlagLine, spans
 from sculler_model.cycles import COUNTER_BITS, PORT_MAJOR_BITS
 from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS, STATUS_BITS, VECTORS, columns_of
+from sculler_model.vectors import (
+    AXES,
+    HIGH_RESOLUTION_VECTORS,
+    STATUS_BITS,
+    STATUS_RAIL,
+    VECTORS,
+    columns_of,
+)
 from sculler_model.wordlength import WordLengths
+
+RAIL = STATUS_RAIL.bit_length() - 1
+RAIL_DELAY = 2
+"""Clocks that the status bit of the rails comes after the others."""
 
 LIMB = WORD_BITS
 """Bits of a result's number that are counted at a time."""
@@ -103,6 +114,7 @@ class Moves:
         self.refill = self.way + self.steps + 2
         comes = {
             *range(clock + 1, clock + 1 + max(majors, 1)),
+            clock + 1 + RAIL_DELAY,
             *(when for three in arrivals.values() for one in three for _, when in one),
         }
         self.least_gap = max(self.start + 1 + self.step(when) - when for when in comes)
@@ -130,7 +142,7 @@ class HandOver(wiring.Component):
     Members:
         claim (clock `moves.claim`): the result of a major interval will be on its way.
         major_end (clock `clock`): it is.
-        status (clock `clock` + 1): its status.
+        status (clock `clock` + 1): its status but for bit 2; rail (`RAIL_DELAY` later): that.
         input: the bits of its components, as `arrivals` says.
         ready, valid, taken: the host's handshake; `taken` in the clock it takes the result.
         dropped: how many results were dropped.
@@ -167,6 +179,7 @@ class HandOver(wiring.Component):
                 "claim": In(1),
                 "major_end": In(1),
                 "status": In(STATUS_BITS),
+                "rail": In(1),
                 "input": In(self.layout),
                 "ready": In(1),
                 "valid": Out(1),
@@ -186,9 +199,11 @@ class HandOver(wiring.Component):
         m.d.sync += was_taken.eq(self.taken)
 
         status_clock = self.clock + 1
-        status_pulse = collector.takes.rest.at(status_clock)
-        pieces: list[Piece] = [("status", status_clock, status_pulse, self.status)]
-        ports = [Value.cast(self.shown_status)]
+        pieces: list[Piece] = []
+        ports: list[Value] = []
+        for bit, piece in _status(collector.takes.rest, status_clock, self.status, self.rail):
+            pieces.append(piece)
+            ports.append(self.shown_status[bit])
         if self.majors:
             pieces += _majors(m, collector.takes.rest, status_clock, self.majors)
             ports += [self.shown_major.word_select(i, LIMB) for i in range(self.majors)]
@@ -256,6 +271,18 @@ class _Going:
         return going
 
 
+def _status(line: FlagLine, clock: int, status: Value, rail: Value) -> list[tuple[int, Piece]]:
+    """Each bit of the status of a result of `line`, by its number; the rails' comes later."""
+    return [
+        (
+            bit,
+            ("status", when, line.at(when), rail if bit == RAIL else status[bit]),
+        )
+        for bit in range(STATUS_BITS)
+        for when in [clock + RAIL_DELAY if bit == RAIL else clock]
+    ]
+
+
 def _majors(m: Module, line: FlagLine, clock: int, limbs: int) -> list[Piece]:
     """The number of each result of `line`, limb by limb, one a clock."""
     number = _counter(m, line.at(clock), LIMB * limbs)
@@ -280,7 +307,7 @@ class StreamHandOver(wiring.Component):
     Members:
         claim (clock `moves.claim`): the result of a major interval will be on its way.
         major_end (clock `clock`): it is.
-        status (clock `clock` + 1): its status.
+        status (clock `clock` + 1): its status but for bit 2; rail (`RAIL_DELAY` later): that.
         input: the bits of its components, as `arrivals` says.
         ready, valid: the host's handshake for each word; data, last: the word.
         taken: in the clock the host takes the last word.
@@ -320,6 +347,7 @@ class StreamHandOver(wiring.Component):
                 "claim": In(1),
                 "major_end": In(1),
                 "status": In(STATUS_BITS),
+                "rail": In(1),
                 "input": In(layout),
                 "ready": In(1),
                 "valid": Out(1),
@@ -361,8 +389,11 @@ class StreamHandOver(wiring.Component):
 
         # a result's bits to their places: bit `lo` of a column's value
         rest, status_clock = collector.takes.rest, self.clock + 1
-        pieces: list[Piece] = [("status", status_clock, rest.at(status_clock), self.status)]
-        places = [("status", 0)]
+        pieces: list[Piece] = []
+        places: list[tuple[str, int]] = []
+        for bit, piece in _status(rest, status_clock, self.status, self.rail):
+            pieces.append(piece)
+            places.append(("status", bit))
         for name, axis, lo, clock, pulse, bits in collector.pieces(self.input):
             total = Value.cast(self.input[name][axis])
             if lo + len(bits) == len(total):  # the sign goes on to the column's end
