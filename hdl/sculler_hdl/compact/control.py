@@ -7,6 +7,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.compact.program import program, short_majors
+from sculler_hdl.parts.words import FlagLine
 from sculler_model.design import Design
 
 CONDITIONS = data.StructLayout(
@@ -16,7 +17,6 @@ CONDITIONS = data.StructLayout(
         "major_end": 1,
         "fault": 1,
         "short": 1,
-        "rail": 1,
         "lost": 1,
     }
 )
@@ -25,8 +25,7 @@ CONDITIONS = data.StructLayout(
 first_minor: in the first minor interval of its major interval; first_major: in the first major
 interval since reset; major_end: the last of its major interval; fault: the sensor marked a sample
 of the major interval; short: a tap or weight used in the major interval reaches before the first
-sample; rail: a count of the major interval stood at its rail; lost: a sample was lost since the
-last sample of the one before.
+sample; lost: a sample was lost since the last sample of the one before.
 """
 
 
@@ -36,13 +35,15 @@ class Control(wiring.Component):
     Members:
         take, fault (in): a sample is taken in this clock, and the sensor's mark.
         lost (in): one was lost before it.
-        rail (in): the count whose digits are being loaded is at its rail.
+        rail (in): the count that was being loaded two clocks before is at its rail.
         loaded (in): it is in the sample memory from the next clock on.
         result_taken (in): the last word of a result is taken in this clock.
         has_work (out): the phase of the sample that is being loaded, or comes next, has work.
         blocked (out): that sample ends a major interval, and the previous result is not taken
             whole, not in this clock either; never where the design drops results.
         conditions (out): of that sample.
+        at_rail (out): a count of its major interval so far stood at its rail; looked at in the
+            second clock after `loaded`.
     """
 
     def __init__(self, design: Design) -> None:
@@ -58,6 +59,7 @@ class Control(wiring.Component):
                 "has_work": Out(1),
                 "blocked": Out(1),
                 "conditions": Out(CONDITIONS),
+                "at_rail": Out(1),
             }
         )
 
@@ -70,6 +72,7 @@ class Control(wiring.Component):
         major = Signal(range(max(short, 1) + 1))  # stays at its largest
         awaited = Signal()  # a major interval has ended and its result is not yet taken whole
         fault, lost, rail = Signal(), Signal(), Signal()
+        ended = FlagLine(m, "ended", self.loaded & self.conditions.major_end)
         minor_end = Signal()
         m.d.comb += [
             minor_end.eq(phase == n - 1),
@@ -79,14 +82,14 @@ class Control(wiring.Component):
             self.conditions.major_end.eq(minor_end & (minor == minors - 1)),
             self.conditions.fault.eq(fault),
             self.conditions.short.eq(major < short if short else 0),
-            self.conditions.rail.eq(rail | self.rail),
+            self.at_rail.eq(rail | self.rail),
             self.conditions.lost.eq(lost),
         ]
         if not self.design.drops_results:
             m.d.comb += self.blocked.eq(self.conditions.major_end & awaited & ~self.result_taken)
         with m.If(self.result_taken):
             m.d.sync += awaited.eq(0)
-        m.d.sync += rail.eq(self.conditions.rail)
+        m.d.sync += rail.eq(self.at_rail & ~ended.at(2))
         with m.If(self.take):
             m.d.sync += [fault.eq(fault | self.fault), lost.eq(lost | self.lost)]
         with m.If(self.loaded):
@@ -95,7 +98,7 @@ class Control(wiring.Component):
                 m.d.sync += [phase.eq(0), minor.eq(minor + 1)]
             with m.If(self.conditions.major_end):
                 m.d.sync += [minor.eq(0), awaited.eq(1)]
-                m.d.sync += [fault.eq(0), lost.eq(0), rail.eq(0)]
+                m.d.sync += [fault.eq(0), lost.eq(0)]
                 with m.If(major != max(short, 1)):
                     m.d.sync += major.eq(major + 1)
         return m

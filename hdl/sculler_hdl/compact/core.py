@@ -93,6 +93,7 @@ class CompactCore(wiring.Component):
             # the engine works on it
             engine.launch.eq(loader.loaded & control.has_work),
             engine.conditions.eq(control.conditions),
+            engine.at_rail.eq(control.at_rail),
             engine.slot.eq(loader.slot),
             samples.step.eq(engine.step),
             samples.address.eq(engine.sample_address),

@@ -27,6 +27,7 @@ from sculler_hdl.compact.program import (
     result_banks,
     sample_words,
 )
+from sculler_hdl.parts.words import FlagLine
 from sculler_model.design import Design
 from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
 from sculler_model.vectors import STATUS_BITS, STATUS_LOST, STATUS_RAIL
@@ -43,6 +44,7 @@ class Engine(wiring.Component):
         launch (in): the newest sample is loaded and has work; not before the program of the one
             before has ended.
         conditions, slot (in): of the newest sample, looked at in the clock of `launch`.
+        at_rail (in): a count of its major interval stood at its rail; looked at two clocks later.
         busy (out): from launch until the next sample with work may be taken.
         publish (out): the last of a major interval's words is being stored.
         starting (out): from reset until the constants stand in their memories.
@@ -67,12 +69,14 @@ class Engine(wiring.Component):
         # of the sample that is worked on
         self.newest = Signal(self.slot_bits)
         self.present = Signal(CONDITIONS)
+        self.rail = Signal()
         # two bits of the status, put in where it is stored, so that they need no instruction
-        self.marks = {RAIL: Signal(name="rail"), LOST: Signal(name="lost")}
+        self.marks = {RAIL: Signal(name="rail_mark"), LOST: Signal(name="lost_mark")}
         super().__init__(
             {
                 "launch": In(1),
                 "conditions": In(CONDITIONS),
+                "at_rail": In(1),
                 "slot": In(self.slot_bits),
                 "busy": Out(1),
                 "publish": Out(1),
@@ -127,7 +131,7 @@ class Engine(wiring.Component):
         with m.If(self.step):
             m.d.sync += [
                 word.eq(fetched.actions),
-                self.marks[RAIL].eq(self.present.rail & is_status),
+                self.marks[RAIL].eq(self.rail & is_status),
                 self.marks[LOST].eq(self.present.lost & is_status),
             ]
             with m.If(settling != 0):
@@ -161,6 +165,8 @@ class Engine(wiring.Component):
                 self.newest.eq(self.slot),
                 self.present.eq(self.conditions),
             ]
+        with m.If(FlagLine(m, "launched", self.launch).at(2)):
+            m.d.sync += self.rail.eq(self.at_rail)
         m.d.comb += self.publish.eq(self.step & word.publish & self.present.major_end)
         return fetched.operands, word
 

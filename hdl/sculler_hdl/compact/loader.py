@@ -31,7 +31,7 @@ class Loader(wiring.Component):
         gyro, accel (in): its counts.
         busy (out): writing.
         loaded (out): a sample's last digit is written in this clock.
-        rail (out): the count whose digit is being written is at its rail.
+        rail (out): the count whose digit was being written two clocks before is at its rail.
         slot (out): the newest sample's.
         write, address, data (out): to the sample memory; the address is the index in the slot,
             then the slot.
@@ -81,10 +81,8 @@ class Loader(wiring.Component):
             m.d.sync += [count.eq(new) for count, new in zip(counts, sample, strict=True)]
         with m.Elif(top):
             m.d.sync += [count.eq(new) for count, new in pairwise(counts)]
-        m.d.comb += [
-            self.data.eq(self._digit(counts[0], index)),
-            self.rail.eq(self.busy & ~clearing & self._at_rail(counts[0], index)),
-        ]
+        m.d.comb += self.data.eq(self._digit(counts[0], index))
+        self._find_rail(m, counts[0], self.busy & ~clearing, index)
 
         with m.If(self.busy):
             m.d.sync += index.eq(index + 1)
@@ -98,19 +96,20 @@ class Loader(wiring.Component):
             m.d.sync += [self.busy.eq(1), self.slot.eq(self.slot + 1)]
         return m
 
-    def _at_rail(self, count: Signal, index: Signal) -> Value:
-        """Whether every bit of the count differs from its sign, which fills up a narrower one."""
+    def _find_rail(self, m: Module, count: Signal, loads: Value, index: Signal) -> None:
+        """At a rail every bit differs from the sign, which fills up a narrower count."""
         gyro, accel = self.design.words.gyro.bits, self.design.words.accel.bits
-        narrow = min(gyro, accel) - 1
-
-        def differ(bits: Value) -> Value:
-            return (bits ^ count[-1].replicate(len(bits))).all()
-
-        whole = differ(count[:narrow])
-        if gyro == accel:
-            return whole
         is_gyro = index < self.words // 2
-        return whole & (differ(count[narrow:-1]) | (is_gyro if gyro < accel else ~is_gyro))
+        *bits, sign = count
+        few = Signal(-(-len(bits) // 3))  # whether three bits each do
+        loaded = Signal()
+        m.d.sync += [loaded.eq(loads), self.rail.eq(loaded & few.all())]
+        for i, part in enumerate(few):
+            differ = Value.cast(1)
+            for place in range(3 * i, min(3 * i + 3, len(bits))):
+                beyond = [is_gyro] * (place >= gyro - 1) + [~is_gyro] * (place >= accel - 1)
+                differ &= Cat(bits[place] != sign, *beyond).any()
+            m.d.sync += part.eq(differ)
 
     def _digit(self, count: Signal, index: Signal) -> Value:
         """The digit to write: signed if it is its count's only or top one."""
