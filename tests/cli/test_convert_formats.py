@@ -364,6 +364,7 @@ TEXT_FAULTS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str]] = {
         "line 3: #timestamp [ns] is '1403636579758555392.5', give a whole number",
     ),
     "euroc stamp too long": ((EUROC, f"{10**19},{RATES}"), (), "give a whole number"),
+    "euroc stamp of two signs": ((EUROC, f"--1,{RATES}"), (), "give a whole number"),
     "euroc cut short": ((EUROC, f"{EPOCH},1,2"), (), "line 2: w_RS_S_z [rad s^-1] (column 4) is"),
     "euroc one row": ((EUROC, f"{EPOCH},{RATES}"), (), "too few samples to make an increment"),
     "euroc no rows": ((EUROC,), (), "the log has no samples"),

@@ -277,5 +277,5 @@ def _is_finite(cell: str) -> bool:
 
 
 def _is_whole(cell: str) -> bool:
-    digits = cell.lstrip("+-")
+    digits = cell[1:] if cell[:1] in ("+", "-") else cell
     return digits.isascii() and digits.isdecimal() and len(digits) <= 19 and abs(int(cell)) < 2**63
