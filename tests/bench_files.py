@@ -53,6 +53,8 @@ def run_bench(design: Design, folder: Path, least: Least = LEAST) -> tuple[int, 
     results, samples, stalled, lost, dropped = map(int, counts.groups())
     assert results >= 3
     can_stall = not design.drops_results or timing(design).spacing > 1
-    assert (stalled > 0) == (lost > 0) == can_stall
+    assert (stalled > 0) == can_stall
+    if least == LEAST:  # a shorter bench may lose no sample
+        assert (lost > 0) == can_stall
     assert (dropped > 0) == design.drops_results
     return results, samples, stalled

@@ -81,7 +81,7 @@ def test_resets_and_stalls(design, tmp_path):
 def test_without_a_multiplier(name):
     design = with_hardware(HIGH_RESOLUTION[name], core="compact", multipliers=0)
     check_rows(design, furthest(design, 1, -1), Stimulus.always())
-    check_trace(design, "verilator", 2 * clocks_of_major(design), seeds=[4])
+    check_trace(design, "verilator", 3 * clocks_of_major(design), seeds=[4])
 
 
 @pytest.mark.parametrize("target", TARGETS)
