@@ -30,11 +30,15 @@ PROGRAM = f"""
 import importlib.metadata as metadata, sys
 absent = {ABSENT!r}
 modules = {{name.replace("-", "_") for name in absent}}
-class Hidden:
+class Hiding:
+    def __init__(self, finder):
+        self.finder = finder
+    def __getattr__(self, name):
+        return getattr(self.finder, name)
     def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in modules:
-            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
-sys.meta_path.insert(0, Hidden())
+        hidden = name.partition(".")[0] in modules
+        return None if hidden else self.finder.find_spec(name, path, target)
+sys.meta_path[:] = map(Hiding, sys.meta_path)
 real = metadata.distribution
 def distribution(name):
     if name in absent:
