@@ -130,7 +130,7 @@ def _growth(path: Path, errors: NavErrors, growth: float) -> None:
         if float(errors.horizontal.max()) > 0.01 * NAUTICAL_MILE:
             size = factor * NAUTICAL_MILE
             both: Any = (lambda y: np.divide(y, size), lambda y: np.multiply(y, size))
-            miles = axes.secondary_yaxis("right", both)
+            miles = axes.secondary_yaxis("right", functions=both)
             miles.set_ylabel("nautical miles")
             miles.spines["right"].set_visible(True)
 
