@@ -14,17 +14,17 @@ from sculler.mounting import Mounting
 from sculler.readers import Unit
 from sculler_model.design import Design
 from sculler_model.errors import InputError
+from sculler_model.navigation.earth import STANDARD_GRAVITY
 from sculler_model.navigation.rotation import Vector
 from sculler_model.quantise import Quantiser
 
 _TRIPLES = {"gyro": slice(0, 3), "accel": slice(3, 6)}
-_GRAVITY = 9.80665  # m/s²
 _EARTH_RATE = 7.292115e-5  # rad/s
 _FAST = 20.0  # rad/s, more than a vehicle turns on the average
 _UNIT_SLIPS = (
-    (_GRAVITY, "g taken for m/s²"),
-    (1 / _GRAVITY, "m/s² taken for g"),
-    (_GRAVITY * 1e-3, "mg taken for m/s²"),
+    (STANDARD_GRAVITY, "g taken for m/s²"),
+    (1 / STANDARD_GRAVITY, "m/s² taken for g"),
+    (STANDARD_GRAVITY * 1e-3, "mg taken for m/s²"),
     (0.3048, "ft/s taken for m/s"),
 )
 
@@ -150,13 +150,13 @@ class Conversion:
         over = self._design.sample_interval if self._design.sensor.kind == "increment" else 1.0
         rate, force = (self._sizes / self.samples / over).tolist()
         hints = []
-        wrong_size = not 0.5 * _GRAVITY < force < 3 * _GRAVITY
+        wrong_size = not 0.5 * STANDARD_GRAVITY < force < 3 * STANDARD_GRAVITY
         if wrong_size:
             slip = next(
                 (
                     f" ({name}?)"
                     for factor, name in _UNIT_SLIPS
-                    if 0.8 < force * factor / _GRAVITY < 1.25
+                    if 0.8 < force * factor / STANDARD_GRAVITY < 1.25
                 ),
                 "",
             )

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation import AxisMap, Gravity, NavState
+from sculler_model.navigation.earth import STANDARD_GRAVITY
 from sculler_model.navigation.gravity import NORMAL, pull
 from sculler_model.navigation.rotation import from_rotation_vector, product, rotate
 
@@ -41,8 +42,8 @@ _PARTS = 8
 _CAUSES = (
     (0.5, "the sample rate of the design is half the log's, or the accelerometer's LSB is half"),
     (2.0, "the sample rate of the design is twice the log's, or the accelerometer's LSB is twice"),
-    (1 / 9.80665, "the accelerometer's unit is g and was taken for m/s²"),
-    (9.80665, "the accelerometer's unit is m/s² and was taken for g"),
+    (1 / STANDARD_GRAVITY, "the accelerometer's unit is g and was taken for m/s²"),
+    (STANDARD_GRAVITY, "the accelerometer's unit is m/s² and was taken for g"),
     (0.3048, "feet were taken for metres the wrong way"),
     (1 / 0.3048, "the accelerometer's unit is feet and was taken for m"),
 )

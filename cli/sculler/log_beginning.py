@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.design import Design
+from sculler_model.navigation.earth import STANDARD_GRAVITY
 
-_GRAVITY = 9.80665  # m/s²
 _SECONDS = 2.0  # looked at
 _STEADY = 0.1  # of gravity: standard deviation of a log that begins without manoeuvres
 _OFF = 0.04  # of gravity: more than sensors and places differ
@@ -17,7 +17,7 @@ _UP = 0.5  # of the force along +z
 _CAUSES = (
     (0.5, "half of it: is the sample rate twice the true one, or the scale half of it?"),
     (2.0, "twice it: is the sample rate half the true one, or the scale twice it?"),
-    (1 / _GRAVITY, "m/s² taken for g?"),
+    (1 / STANDARD_GRAVITY, "m/s² taken for g?"),
     (0.3048, "feet taken for metres?"),
     (1 / 0.3048, "metres taken for feet?"),
 )
@@ -47,7 +47,7 @@ class LogBeginning:
         if self._count < 4:
             return 0.0, np.zeros(3)
         samples = np.concatenate(self._samples)
-        if samples[:, 3:].std(axis=0).max() > _STEADY * _GRAVITY:
+        if samples[:, 3:].std(axis=0).max() > _STEADY * STANDARD_GRAVITY:
             return 0.0, np.zeros(3)
         return float(np.linalg.norm(samples[:, :3].mean(axis=0))), samples[:, 3:].mean(axis=0)
 
@@ -56,10 +56,10 @@ class LogBeginning:
         rate, force = self._means()
         size = float(np.linalg.norm(force))
         allowed = _OFF if rate < _TURNING else _OFF_TURNING
-        if not size or abs(size / _GRAVITY - 1) <= allowed:
+        if not size or abs(size / STANDARD_GRAVITY - 1) <= allowed:
             return None
         cause = next(
-            (told for ratio, told in _CAUSES if abs(size / _GRAVITY / ratio - 1) < 0.03),
+            (told for ratio, told in _CAUSES if abs(size / STANDARD_GRAVITY / ratio - 1) < 0.03),
             "check the accelerometer's unit and scale, and the sample rate",
         )
         return (

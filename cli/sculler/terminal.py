@@ -116,16 +116,22 @@ def output_option(command: Command) -> Command:
     )(command)
 
 
-def breaks_option(command: Command) -> Command:
-    """`--breaks`: what to do where samples are missing."""
+def breaks_option(meaning: str) -> Callable[[Command], Command]:
+    """`--breaks`: what to do where something is missing; `meaning` is its help."""
     return click.option(
         "--breaks",
         type=click.Choice(["refuse", "split"]),
         default="refuse",
         show_default=True,
-        help="Where the log's time_s or sequence shows missing samples: refuse; or begin anew,"
-        " major from 0 and no history.",
-    )(command)
+        help=meaning,
+    )
+
+
+BREAKS_IN_LOG = (
+    "Where the log's time_s or sequence shows missing samples: refuse; or begin anew, major from 0"
+    " and no history."
+)
+"""Help of `--breaks` for the verbs that read a log."""
 
 
 def warning_rows(warnings: Sequence[str]) -> dict[str, str]:

@@ -52,6 +52,19 @@ def test_an_interval_ends_at_the_stamp_of_its_last_sample(
     assert ends(out) == [times[5], times[11], times[17], times[23]]
 
 
+def test_each_result_keeps_its_own_end_where_the_core_drops_others(
+    run: Run, tmp_path: Path, design: Path
+) -> None:
+    text = design.read_text() + ("" if "[hardware]" in design.read_text() else "\n[hardware]\n")
+    design.write_text(text.replace("[hardware]", '[hardware]\noverrun = "drop-result"'))
+    times = 4000.5 + H * np.arange(1, 3001)
+    log, out = stamped(tmp_path / "log.csv", times), tmp_path / "v.csv"
+    assert run("simulate", design, log, "-o", out, "--stall", 1).status == 0
+    (block,) = read_vectors(out, Design.load(design))
+    assert 0 < len(block) < 500  # of 500 intervals some were dropped
+    assert block.times.tolist() == times[6 * block.major + 5].tolist()
+
+
 def test_ends_do_not_depend_on_chunks(
     run: Run, tmp_path: Path, design: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

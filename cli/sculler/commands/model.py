@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="The vectorised twin, or the plain reference it is tested against.",
 )
-@terminal.breaks_option
+@terminal.breaks_option(terminal.BREAKS_IN_LOG)
 @terminal.json_option
 def command(
     design_name: str, log: str, output: Path, engine: ModelEngine, breaks: Policy, as_json: bool

@@ -77,13 +77,9 @@ _VELOCITIES = ("vn", "ve", "vd")
     metavar="SECONDS",
     help="End with the last major interval that ends at this time or before.",
 )
-@click.option(
-    "--breaks",
-    type=click.Choice(["refuse", "split"]),
-    default="refuse",
-    show_default=True,
-    help="Where a result does not follow the one before: refuse the vectors, or begin anew after"
-    " the break (from the truth, by aligning again, or by going on as before).",
+@terminal.breaks_option(
+    "Where a result does not follow the one before: refuse the vectors, or begin anew after the"
+    " break (from the truth, by aligning again, or by going on as before)."
 )
 @click.option(
     "--align",

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Write a waveform: .vcd, or with Verilator also .fst.",
 )
-@terminal.breaks_option
+@terminal.breaks_option(terminal.BREAKS_IN_LOG)
 @terminal.json_option
 def command(
     design_name: str,

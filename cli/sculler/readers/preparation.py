@@ -15,10 +15,8 @@ from sculler.readers import Recording, Samples
 from sculler.readers.running_sums import Differences, SumsSuspicion
 from sculler_model.design import Design
 from sculler_model.errors import InputError
+from sculler_model.navigation.earth import STANDARD_GRAVITY
 from sculler_model.plausibility import Plausibility, told
-
-_GRAVITY = 9.80665  # m/s²
-
 
 LARGEST, LONGEST = 1e30, 1e12
 """What no sensor gives in any unit, and no recording lasts (s): bytes of something else."""
@@ -99,7 +97,7 @@ class Watch:
         self._sums = None
         kinds = {recording.gyro.kind, recording.accel.kind}
         if design.sensor.kind == "increment" and "rate" not in kinds and not sums:
-            self._sums = SumsSuspicion(_GRAVITY * design.sample_interval)
+            self._sums = SumsSuspicion(STANDARD_GRAVITY * design.sample_interval)
 
     def __call__(self, chunks: Iterator[Samples]) -> Iterator[Samples]:
         """The same chunks."""
