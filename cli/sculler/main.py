@@ -70,7 +70,7 @@ def run_command(command: click.Command, arguments: Sequence[str] | None, name: s
     """Run a command, turning its errors into one line on stderr and an exit status."""
     any_encoding()
     try:
-        with inputs.remembered(), signals_raise():
+        with inputs.remembered(), signals_raise(last_words=arguments is None):
             status = command.main(args=arguments, prog_name=name, standalone_mode=False)
             sys.stdout.flush()
     except click.exceptions.Exit as done:

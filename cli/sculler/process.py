@@ -70,12 +70,16 @@ def _plain(character: str) -> str:
 
 
 @contextmanager
-def signals_raise() -> Iterator[None]:
+def signals_raise(last_words: bool) -> Iterator[None]:
     """Within it SIGINT, SIGTERM and SIGHUP raise `Ended`, so that whatever is at work cleans up.
 
     A signal that whoever started us has set to be ignored (nohup, a job in the background) stays
     so.  Signals that follow within a second belong to the first, which often come in a burst;
     a later one raises again.
+
+    Args:
+        last_words: the process ends after it, so once one has come the rest are ignored: they would
+            spoil the exit status of a process that is ending already.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -96,5 +100,6 @@ def signals_raise() -> Iterator[None]:
     try:
         yield
     finally:
+        asked = last >= 0
         for number, handler in before.items():
-            signal.signal(number, handler)
+            signal.signal(number, signal.SIG_IGN if asked and last_words else handler)
