@@ -29,14 +29,14 @@ from sculler_hdl.compact.program import (
 )
 from sculler_model.design import Design, Interval
 from sculler_model.golden import GoldenModel, to_words
-from strategies import DESIGNS, designs, random_counts
+from strategies import DESIGNS, designs, random_counts, with_hardware
 
 ALL = DESIGNS | HIGH_RESOLUTION
 EACH = pytest.mark.parametrize("design", ALL.values(), ids=ALL)
 
 
 def compact(design, **hardware):
-    return Design.parse({**design.as_json(), "hardware": {"core": "compact", **hardware}})
+    return with_hardware(design, core="compact", **hardware)
 
 
 def runs_as_the_golden_model(design, samples, seed):

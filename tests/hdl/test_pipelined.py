@@ -19,15 +19,10 @@ from sculler_hdl.pipelined import (
 )
 from sculler_hdl.ports import counter_ports
 from sculler_hdl.verilog import generate
-from sculler_model.design import AXES, Design
+from sculler_model.design import AXES
 from sculler_model.errors import InputError
 from sculler_model.golden import CycleModel, Ports, clocks_per_major, result_ports
-from strategies import DESIGNS, make_design, samples_of
-
-
-def with_hardware(design, **hardware):
-    data = design.as_json()
-    return Design.parse({**data, "hardware": {**data["hardware"], **hardware}})
+from strategies import DESIGNS, make_design, samples_of, with_hardware
 
 
 def test_sharings_do_all_products():
@@ -118,7 +113,8 @@ def test_latency_by_hand():
 )
 def test_plan_with_high_resolution_position(multipliers, spacing, position, tiles):
     design = HIGH_RESOLUTION["stim300_hr"]
-    made = plan(with_hardware(design, core="pipelined", target="ecp5", multipliers=multipliers))
+    hardware = {"core": "pipelined", "handover": "stream", "target": "ecp5"}
+    made = plan(with_hardware(design, **hardware, multipliers=multipliers))
     found = (made.timing.spacing, made.way.position.steps, made.tiles)
     assert found == (spacing, position, tiles)
     assert multipliers < 8 or made.timing.latency <= POSITION_LATENCY_GOAL
@@ -171,9 +167,9 @@ VARIANTS = [
     ("rate_1p0", {"target": "ecp5"}),
     ("smallest", {}),
     ("smallest", {"multipliers": 1, "handover": "stream"}),
-    ("smallest_hr", {}),
+    ("smallest_hr", {"handover": "stream"}),
     ("smallest_hr", {"multipliers": 2, "handover": "stream"}),
-    ("taylor_2p1_hr", {"multipliers": 20, "target": "ecp5"}),
+    ("taylor_2p1_hr", {"multipliers": 20, "target": "ecp5", "handover": "stream"}),
     ("sparse", {"target": "ecp5"}),
 ]
 
