@@ -6,8 +6,8 @@ from sculler_hdl import pipelined
 from sculler_hdl.compact import microcode
 from sculler_hdl.compact.core import CompactCore
 from sculler_hdl.pipelined import PipelinedCore
-from sculler_model.cycles import Timing
 from sculler_model.design import Design
+from sculler_model.golden import Timing
 
 
 def build_core(design: Design, *, primitive: bool = True) -> wiring.Component:

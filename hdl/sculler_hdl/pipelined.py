@@ -60,14 +60,16 @@ from sculler_hdl.parts.words import (
 )
 from sculler_hdl.ports import port_members
 from sculler_hdl.target import TARGETS
-from sculler_model.coefficients import TapTable
-from sculler_model.cycles import PORT_MAJOR_BITS, Dropping, Timing
-from sculler_model.design import Design
+from sculler_model.algorithms import TapTable
+from sculler_model.design import AXES, HIGH_RESOLUTION_VECTORS, Design, Interval
 from sculler_model.errors import InputError
-from sculler_model.stream import words_per_column
-from sculler_model.throughput import clocks_per_major
-from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS
-from sculler_model.wordlength import Interval
+from sculler_model.golden import (
+    PORT_MAJOR_BITS,
+    Dropping,
+    Timing,
+    clocks_per_major,
+    words_per_column,
+)
 
 TAP_CLOCK = 1
 """At which A and B take a sample."""
@@ -431,11 +433,11 @@ class Stages:
 class PipelinedCore(wiring.Component):
     """Coning and sculling accumulators of one design, exact in every bit.
 
-    Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.cycles`):
+    Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.golden`):
         sample_valid, sample_ready; sample_gyro_x..z, sample_accel_x..z (signed counts),
         sample_fault.
         result_valid, result_ready; result_major (unsigned), result_status (4 bits), and
-        result_NAME for each of `sculler_model.vectors.COMPONENTS`, signed, worst-case wide; or
+        result_NAME for each of `sculler_model.design.COMPONENTS`, signed, worst-case wide; or
         result_data, result_last, the stream of words.
         samples_lost, and results_dropped where the design drops results.
 

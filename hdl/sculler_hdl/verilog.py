@@ -27,11 +27,15 @@ from sculler_hdl.core import build_core
 from sculler_hdl.ports import port_members
 from sculler_hdl.rtlil_widths import equal_widths
 from sculler_hdl.target import cell_models
-from sculler_model.cycles import Timing
 from sculler_model.design import Design
 from sculler_model.errors import ToolError
-from sculler_model.stream import WORD_BITS, words_per_column
-from sculler_model.throughput import clocks_per_major, clocks_per_minor
+from sculler_model.golden import (
+    WORD_BITS,
+    Timing,
+    clocks_per_major,
+    clocks_per_minor,
+    words_per_column,
+)
 
 
 @dataclass(frozen=True)

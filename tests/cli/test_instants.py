@@ -19,14 +19,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler.history import HistoryWriter
-from sculler.plots import TimeAxis
+from sculler.formats.history import HistoryWriter
+from sculler.plots.pictures import TimeAxis
 from sculler_model.design import Design
-from sculler_model.instants import end_after_stamp, interval_end, interval_ends, stamp
-from sculler_model.motion import Curve, Motion, Turn
-from sculler_model.motion.attitude import X
-from sculler_model.motion.catalogue import spin_rock_size
-from sculler_model.navigation_errors import navigation_errors
+from sculler_model.motion import Curve, Motion, Turn, X, spin_rock_size
+from sculler_model.navigation import navigation_errors
+from sculler_model.samples import end_after_stamp, interval_end, interval_ends, stamp
 
 Run = Callable[..., Any]
 

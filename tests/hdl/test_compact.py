@@ -16,9 +16,8 @@ from sculler_hdl.compact.microcode import timing
 from sculler_hdl.compact.pipeline import pipeline
 from sculler_hdl.compact.product import Product
 from sculler_hdl.ports import counter_ports
-from sculler_model.cycles import CycleModel, Ports
 from sculler_model.design import Design
-from sculler_model.stream import words_per_result
+from sculler_model.golden import CycleModel, Ports, words_per_result
 from strategies import DESIGNS, samples_of
 
 

@@ -18,10 +18,9 @@ from sculler_hdl.compact.microcode import timing
 from sculler_hdl.compact.pipeline import pipeline
 from sculler_hdl.compact.position import WEIGHTS, factor_ranges
 from sculler_hdl.compact.program import When, digit_count, program
-from sculler_model.golden import GoldenModel
-from sculler_model.scrolling import scrolling_weight
-from sculler_model.stream import to_words
-from sculler_model.wordlength import Interval
+from sculler_model.algorithms import scrolling_weight
+from sculler_model.design import Interval
+from sculler_model.golden import GoldenModel, to_words
 from strategies import DESIGNS, make_design, random_counts, with_hardware
 
 EACH = pytest.mark.parametrize("design", HIGH_RESOLUTION.values(), ids=HIGH_RESOLUTION)

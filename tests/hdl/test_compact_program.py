@@ -27,10 +27,8 @@ from sculler_hdl.compact.program import (
     schedule,
     short_majors,
 )
-from sculler_model.design import Design
-from sculler_model.golden import GoldenModel
-from sculler_model.stream import to_words
-from sculler_model.wordlength import Interval
+from sculler_model.design import Design, Interval
+from sculler_model.golden import GoldenModel, to_words
 from strategies import DESIGNS, designs, random_counts
 
 ALL = DESIGNS | HIGH_RESOLUTION

@@ -22,9 +22,8 @@ from sculler_hdl.parts.sequencer import Sequencer
 from sculler_hdl.parts.weighted_sum import WeightedSum, Weighting, signed_digits, terms_of
 from sculler_hdl.parts.words import Addend, Limbs, Sum, Word, at_once, limbs, spans
 from sculler_hdl.target import TARGETS
-from sculler_model.stream import from_words, words_per_column, words_per_result
-from sculler_model.vectors import AXES, COLUMNS, VECTORS
-from sculler_model.wordlength import Interval, word_lengths
+from sculler_model.design import AXES, COLUMNS, VECTORS, Interval, word_lengths
+from sculler_model.golden import from_words, words_per_column, words_per_result
 from strategies import DESIGNS
 
 

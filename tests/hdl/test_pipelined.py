@@ -19,11 +19,9 @@ from sculler_hdl.pipelined import (
 )
 from sculler_hdl.ports import counter_ports
 from sculler_hdl.verilog import generate
-from sculler_model.cycles import CycleModel, Ports, result_ports
-from sculler_model.design import Design
+from sculler_model.design import AXES, Design
 from sculler_model.errors import InputError
-from sculler_model.throughput import clocks_per_major
-from sculler_model.vectors import AXES
+from sculler_model.golden import CycleModel, Ports, clocks_per_major, result_ports
 from strategies import DESIGNS, make_design, samples_of
 
 

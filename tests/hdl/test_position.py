@@ -11,8 +11,8 @@ from sculler_hdl.parts.cross import SHARINGS
 from sculler_hdl.parts.position import Position, Positioning, most_ahead
 from sculler_hdl.parts.words import Limbs, spans
 from sculler_hdl.target import TARGETS
-from sculler_model.scrolling import high_resolution
-from sculler_model.wordlength import word_lengths
+from sculler_model.algorithms import high_resolution
+from sculler_model.design import word_lengths
 from strategies import make_design
 
 

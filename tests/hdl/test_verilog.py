@@ -10,9 +10,8 @@ import sys
 import pytest
 
 from sculler_hdl.verilog import describe_ports, generate
-from sculler_model.design import Design
-from sculler_model.vectors import COLUMNS
-from sculler_sim.verilator_build import emitted
+from sculler_model.design import COLUMNS, Design
+from sculler_sim.engines.verilator_build import emitted
 from strategies import DESIGNS, with_hardware
 
 
@@ -124,7 +123,7 @@ def test_same_design_same_bytes_in_another_process(tmp_path):
     design = DESIGNS["dense_time_3"]
     script = (
         "import json, sys; from sculler_hdl.verilog import generate;"
-        "from sculler_model.design import Design;"
+        "from sculler_model.design.design import Design;"
         "made = generate(Design.parse(json.load(sys.stdin)));"
         "sys.stdout.write(made.verilog + json.dumps(made.manifest))"
     )

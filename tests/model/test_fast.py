@@ -12,13 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from position_designs import HIGH_RESOLUTION, furthest
-from sculler_model import fast
-from sculler_model.blocks import VectorBlock, component_dtype
-from sculler_model.design import Design
+from sculler_model.design import Design, Interval
 from sculler_model.errors import InputError
-from sculler_model.fast import FastModel, run_fast
+from sculler_model.fast import FastModel, VectorBlock, component_dtype, run_fast
+from sculler_model.fast import twin as fast
 from sculler_model.golden import GoldenModel
-from sculler_model.wordlength import Interval
 from strategies import DESIGNS, Counts, designs, make_design, random_counts
 
 

@@ -14,11 +14,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from position_designs import HIGH_RESOLUTION
-from sculler_model.design import Design
+from sculler_model.algorithms import Vec, high_resolution
+from sculler_model.design import Design, Result
 from sculler_model.errors import InputError
 from sculler_model.golden import GoldenModel, Sample
-from sculler_model.scrolling import high_resolution
-from sculler_model.vectors import Result, Vec
 from strategies import DESIGNS, designs, make_design, random_counts
 
 F = Fraction

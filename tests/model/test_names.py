@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sculler_model.names import SYSTEM_VERILOG, VHDL, fault
-from sculler_model.vendor_blocks import BLOCKS
+from sculler_model.design import BLOCKS, SYSTEM_VERILOG, VHDL, fault
 
 ORDINARY = (
     "x imu nav_core A_1_b stim300_4x5 top root unit core samples fail index results clock abc main"

@@ -14,7 +14,7 @@ from position_designs import HIGH_RESOLUTION
 from sculler_hdl.compact.listing import figures
 from sculler_hdl.core import timing
 from sculler_hdl.ports import sample_ports
-from sculler_sim.verilator_build import emitted
+from sculler_sim.engines.verilator_build import emitted
 from strategies import DESIGNS, make_design, with_hardware
 
 pytestmark = pytest.mark.usefixtures("icarus")

@@ -17,10 +17,10 @@ from position_designs import HIGH_RESOLUTION
 from sculler_hdl.target import cell_models
 from sculler_hdl.verilog import generate
 from sculler_model.errors import InputError
+from sculler_sim.engines.verilator_build import emitted
 from sculler_sim.place import netlist, synthesis
 from sculler_sim.place.netlist import check_netlist
 from sculler_sim.place.tools import YOSYS
-from sculler_sim.verilator_build import emitted
 from strategies import DESIGNS, with_hardware
 
 

@@ -11,9 +11,9 @@ import pytest
 
 from sculler_model.errors import InputError
 from sculler_model.golden import GoldenModel
-from sculler_sim import cache, verilator_build
 from sculler_sim.engine import simulate
-from sculler_sim.verilator_build import Tools, build
+from sculler_sim.engines import cache, verilator_build
+from sculler_sim.engines.verilator_build import Tools, build
 from strategies import DESIGNS, make_design, random_counts
 
 DESIGN = DESIGNS["smallest"]

@@ -78,7 +78,7 @@ def write_hardware(design: Design, folder: Path) -> list[Path]:
     """
     from sculler_hdl.core import timing
     from sculler_hdl.verilog import generate
-    from sculler_sim.files import gathering
+    from sculler_model.outputs import gathering
     from sculler_sim.testbench import write_testbench
 
     generated = generate(design)

@@ -15,10 +15,10 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.logs import COUNTS, FAULT
-from sculler.readers import Clock, Recording, Samples
+from sculler.formats.log import COUNTS, FAULT
 from sculler.readers.columns import headed, recognise, stamp_unit
 from sculler.readers.format import COLUMNS, TIME, UNITS, Format, Request
+from sculler.readers.recording import Clock, Recording, Samples
 from sculler.readers.text import COMMENT, Column, Rows, is_content, number_rows, open_text
 from sculler_model.errors import InputError
 

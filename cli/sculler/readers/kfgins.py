@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from sculler.logs import COUNTS
-from sculler.readers import Clock, Recording, Samples
+from sculler.formats.log import COUNTS
 from sculler.readers.format import UNITS, Format, Head, Request
+from sculler.readers.recording import Clock, Recording, Samples
 from sculler.readers.text import Column, number_rows, open_text
 from sculler_model.errors import InputError
 

@@ -20,10 +20,10 @@ from typing import NamedTuple, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.readers import Advance
+from sculler.readers.recording import Advance
 from sculler.readers.signatures import HEAD_BYTES, told
 from sculler_model.errors import InputError
-from sculler_sim.files import open_lines
+from sculler_model.outputs import open_lines
 
 COMMENT = "#"
 _CHUNK_ROWS = 1 << 14

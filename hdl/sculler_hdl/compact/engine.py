@@ -28,9 +28,8 @@ from sculler_hdl.compact.program import (
     sample_words,
 )
 from sculler_hdl.parts.words import FlagLine
-from sculler_model.design import Design
-from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
-from sculler_model.vectors import STATUS_BITS, STATUS_LOST, STATUS_RAIL
+from sculler_model.design import STATUS_BITS, STATUS_LOST, STATUS_RAIL, Design
+from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
 
 BITS = OPERAND.bits
 STATUS = range(STATUS_BITS)

@@ -14,10 +14,8 @@ from sculler_hdl.compact.program import (
     result_banks,
     short_majors,
 )
-from sculler_model.golden import Sample
-from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
-from sculler_model.vectors import STATUS_RAIL
-from sculler_model.wordlength import Interval
+from sculler_model.design import STATUS_RAIL, Interval
+from sculler_model.golden import WORD_BITS, Sample, words_per_column, words_per_result
 
 
 class Interpreter:

@@ -19,8 +19,7 @@ from sculler_hdl.compact.program import (
     sample_words,
 )
 from sculler_model.design import Design
-from sculler_model.stream import words_per_column, words_per_result
-from sculler_model.throughput import clocks_per_minor
+from sculler_model.golden import clocks_per_minor, words_per_column, words_per_result
 
 _MEMORY = {"left": "L", "right": "R", "result": "O"}
 _BASE = {Base.CLEAR: "=", Base.KEEP: "+", Base.SHIFT: ">"}

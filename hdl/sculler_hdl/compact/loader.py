@@ -16,7 +16,7 @@ from sculler_hdl.compact.program import (
     sample_words,
 )
 from sculler_model.design import Design
-from sculler_model.stream import WORD_BITS
+from sculler_model.golden import WORD_BITS
 
 
 class Loader(wiring.Component):

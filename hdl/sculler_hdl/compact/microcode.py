@@ -27,8 +27,8 @@ from sculler_hdl.compact.program import (
     program,
     sample_words,
 )
-from sculler_model.cycles import Dropping, Timing
 from sculler_model.design import Design
+from sculler_model.golden import Dropping, Timing
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ def _encode(
 
 
 def timing(design: Design) -> Timing:
-    """The clocks the compact core takes (`sculler_model.cycles`)."""
+    """The clocks the compact core takes (`sculler_model.golden`)."""
     delays, code = pipeline(design), microcode(design)
     n = design.algorithm.samples
     loaded = load_clocks(design) + 1  # clocks from taking a sample to the engine's first

@@ -38,10 +38,15 @@ from sculler_hdl.compact.position import (
     Weight,
     factor_ranges,
 )
-from sculler_model.design import Design
-from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
-from sculler_model.vectors import AXES, STATUS_FAULT, STATUS_SHORT_HISTORY
-from sculler_model.wordlength import ZERO, Interval
+from sculler_model.design import (
+    AXES,
+    STATUS_FAULT,
+    STATUS_SHORT_HISTORY,
+    ZERO_RANGE,
+    Design,
+    Interval,
+)
+from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
 
 DIGIT = Interval(0, (1 << WORD_BITS) - 1)
 """Range of a digit that is not the top one."""
@@ -561,7 +566,7 @@ class _Compiler:
 
     def _block(self, name: str, terms: list[Term], stores: Sequence[Store]) -> Block:
         """Column by column, as in the module's docstring; column c ends with stores[c]."""
-        nothing = self._number("0", [self.zero], [ZERO])
+        nothing = self._number("0", [self.zero], [ZERO_RANGE])
         highest = max(len(term.left.places) + len(term.right.places) - 2 for term in terms)
         if highest >= len(stores):
             raise AssertionError(f"{name}: {len(stores)} digits do not hold its products")
@@ -639,13 +644,13 @@ def accumulator_range(
     instructions: Iterable[Instruction], ranges: Mapping[Word | SampleWord, Interval]
 ) -> Interval:
     """What the accumulator can hold, by interval arithmetic over every digit's range."""
-    now = widest = ZERO
+    now = widest = ZERO_RANGE
     for instruction in instructions:
         product = ranges[instruction.left] * ranges[instruction.right]
         if instruction.when is not When.ALWAYS:
-            product |= ZERO
+            product |= ZERO_RANGE
         if instruction.base is Base.CLEAR:
-            now = ZERO
+            now = ZERO_RANGE
         elif instruction.base is Base.SHIFT:
             now = Interval(now.lo >> WORD_BITS, now.hi >> WORD_BITS)
         now += -product if instruction.subtract else product

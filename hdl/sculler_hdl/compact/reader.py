@@ -8,7 +8,7 @@ from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.compact.pipeline import memory_latency
 from sculler_model.design import Design
-from sculler_model.stream import words_per_result
+from sculler_model.golden import words_per_result
 
 
 class Reader(wiring.Component):

@@ -14,7 +14,7 @@ from sculler_hdl.parts.words import (
     later,
     limbs,
 )
-from sculler_model.wordlength import Interval
+from sculler_model.design import Interval
 
 
 class Accumulation:

@@ -25,8 +25,7 @@ from sculler_hdl.parts.words import (
     spans,
 )
 from sculler_hdl.target import Target
-from sculler_model.vectors import AXES
-from sculler_model.wordlength import ZERO, Interval
+from sculler_model.design import AXES, ZERO_RANGE, Interval
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +172,7 @@ class Crossing:
         self.results: dict[str, list[tuple[int, Arrival]]] = {}
         widest = Interval.signed(max(total.bits for total in totals))
         for name, total in self.totals.items():
-            addends, item = [], ZERO
+            addends, item = [], ZERO_RANGE
             for product in self.products_of(name):
                 one = product.left * product.right
                 item += one - one if self.sides == 2 else one

@@ -9,17 +9,16 @@ from amaranth.lib.wiring import In, Out
 from sculler_hdl.parts.layout import vector
 from sculler_hdl.parts.losses import event_counter
 from sculler_hdl.parts.words import Arrival, FlagLine, spans
-from sculler_model.cycles import COUNTER_BITS, PORT_MAJOR_BITS
-from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import (
+from sculler_model.design import (
     AXES,
     HIGH_RESOLUTION_VECTORS,
     STATUS_BITS,
     STATUS_RAIL,
     VECTORS,
+    WordLengths,
     columns_of,
 )
-from sculler_model.wordlength import WordLengths
+from sculler_model.golden import COUNTER_BITS, PORT_MAJOR_BITS, WORD_BITS
 
 RAIL = STATUS_RAIL.bit_length() - 1
 RAIL_DELAY = 2
@@ -292,7 +291,7 @@ def _majors(m: Module, line: FlagLine, clock: int, limbs: int) -> list[Piece]:
 
 
 class StreamHandOver(wiring.Component):
-    """Hands a result over word by word (`sculler_model.stream`) while the next interval runs.
+    """Hands a result over word by word (`sculler_model.golden`) while the next interval runs.
 
     The bits of a result are put in their places in a shift register as they come by.  The
     sequencer sees to it that no bit of the next result comes before the last word is taken.

@@ -3,7 +3,7 @@
 from amaranth import Value, signed
 from amaranth.lib import data
 
-from sculler_model.wordlength import Interval
+from sculler_model.design import Interval
 
 
 def vector(interval: Interval) -> data.ArrayLayout:

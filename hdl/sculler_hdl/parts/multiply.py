@@ -11,7 +11,7 @@ from amaranth import C, Cat, Module, Signal, Value
 from sculler_hdl.parts.tile import Tile
 from sculler_hdl.parts.words import Addend, Arrival, Word, at_once, last_clock, spans
 from sculler_hdl.target import Target
-from sculler_model.wordlength import ZERO, Interval
+from sculler_model.design import ZERO_RANGE, Interval
 
 FRINGES = (2, 4, 8)
 """Most low bits of an operand that rows of AND gates multiply, to save blocks: from few to many."""
@@ -116,8 +116,8 @@ class Product:
                 found.append(Addend(span, at_once(span.bits, clock), a[0] + b[0]))
         for bit in range(left.fringe):
             arrival = self._row_arrival(self.left_arrival, bit, self.right_arrival, 0)
-            found.append(Addend(self.right | ZERO, arrival, bit))
-        upper = Interval(self.left.lo >> left.fringe, self.left.hi >> left.fringe) | ZERO
+            found.append(Addend(self.right | ZERO_RANGE, arrival, bit))
+        upper = Interval(self.left.lo >> left.fringe, self.left.hi >> left.fringe) | ZERO_RANGE
         for bit in range(right.fringe):
             arrival = self._row_arrival(self.right_arrival, bit, self.left_arrival, left.fringe)
             found.append(Addend(upper, arrival, left.fringe + bit))
@@ -184,7 +184,7 @@ def _piece(operand: Interval, lo: int, hi: int) -> Interval:
     """Range of an operand's piece: the top one is signed, the others are not."""
     if hi < operand.bits:
         return Interval(0, (1 << (hi - lo)) - 1)
-    return Interval(operand.lo >> lo, operand.hi >> lo) | ZERO
+    return Interval(operand.lo >> lo, operand.hi >> lo) | ZERO_RANGE
 
 
 def _operand(word: Word, lo: int, hi: int, clock: int) -> Value:

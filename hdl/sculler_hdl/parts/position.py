@@ -1,6 +1,6 @@
 """High-resolution position: each sample counted at once as the interval's end will have it.
 
-The page (`sculler_model.scrolling`) integrates twice, sample after sample.  The core knows how many
+The page (`algorithms.scrolling`) integrates twice, sample after sample.  The core knows how many
 samples q are still to come, so one sum does it.  With s and r the newest sample, s' and r' the one
 before, s0 and r0 the last before the interval, and alpha, nu, T, U as they were before the newest:
 
@@ -52,9 +52,8 @@ from sculler_hdl.parts.words import (
     spans,
 )
 from sculler_hdl.target import Target
-from sculler_model.scrolling import scrolling_weight
-from sculler_model.vectors import AXES
-from sculler_model.wordlength import ZERO, Interval, WordLengths
+from sculler_model.algorithms import scrolling_weight
+from sculler_model.design import AXES, ZERO_RANGE, Interval, WordLengths
 
 DIVISOR = 6
 """Of all weights of scrolling."""
@@ -122,7 +121,7 @@ class Linear:
     ) -> None:
         digits = [(name, *digit) for name, w in weights.items() for digit in signed_digits(w)]
         if result is None:
-            result = sum((words[name].range.scaled(w) for name, w in weights.items()), ZERO)
+            result = sum((words[name].range.scaled(w) for name, w in weights.items()), ZERO_RANGE)
         self._names = [name for name, _, _ in digits]
         self._sum = Sum(
             [replace(words[name], low=low, negative=sign < 0) for name, low, sign in digits],

@@ -15,7 +15,7 @@ from sculler_hdl.parts.words import (
     limbs,
     spans,
 )
-from sculler_model.wordlength import Interval
+from sculler_model.design import Interval
 
 
 class Running:

@@ -22,8 +22,7 @@ from sculler_hdl.parts.words import (
     later,
     limbs,
 )
-from sculler_model.vectors import AXES
-from sculler_model.wordlength import ZERO, Interval
+from sculler_model.design import AXES, ZERO_RANGE, Interval
 
 Rows = Mapping[int, Sequence[tuple[int, int]]]
 """Phase (0..n-1) -> pairs (distance, coefficient) that are not zero."""
@@ -96,7 +95,7 @@ class Weighting:
         self.distances = range(max(distances, default=1), self.newest - 1, -1)
         self.terms = {d: [term for term in terms if term.distance == d] for d in self.distances}
         self.products = {
-            d: Sum(self._addends(terms), Interval.signed(self.bits(d)), limb, counts | ZERO)
+            d: Sum(self._addends(terms), Interval.signed(self.bits(d)), limb, counts | ZERO_RANGE)
             for d, terms in self.terms.items()
             if terms
         }
@@ -124,7 +123,7 @@ class Weighting:
         multiple = 1 if len(set(gates)) == 1 else None
         return [
             Addend(
-                self.counts | ZERO,
+                self.counts | ZERO_RANGE,
                 at_once(self.counts.bits, int(gate is not None)),
                 term.shift,
                 term.sign < 0,
@@ -138,10 +137,10 @@ class Weighting:
         if distance == self.newest:
             return self.result.bits
         partial = [
-            sum((self.counts.scaled(c) for d, c in row if d >= distance), ZERO)
+            sum((self.counts.scaled(c) for d, c in row if d >= distance), ZERO_RANGE)
             for row in self.rows.values()
         ]
-        return reduce(Interval.__or__, partial, ZERO).bits
+        return reduce(Interval.__or__, partial, ZERO_RANGE).bits
 
 
 class WeightedSum(wiring.Component):

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from amaranth import C, Cat, Module, Signal, Value
 
-from sculler_model.wordlength import ZERO, Interval
+from sculler_model.design import ZERO_RANGE, Interval
 
 
 class Limbs(NamedTuple):
@@ -252,7 +252,11 @@ class Sum:
     """
 
     def __init__(
-        self, addends: Sequence[Addend], result: Interval, limb: Limbs, number: Interval = ZERO
+        self,
+        addends: Sequence[Addend],
+        result: Interval,
+        limb: Limbs,
+        number: Interval = ZERO_RANGE,
     ) -> None:
         self.addends = list(addends)
         self.number = number

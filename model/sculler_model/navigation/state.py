@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
-from sculler_model.navigation.rotation import Quaternion, Vector, euler_angles, to_euler
+from sculler_model.frames import Quaternion, Vector, euler_angles, to_euler
 
 if TYPE_CHECKING:
     from sculler_model.host import MajorIncrements
