@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import factorial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +17,7 @@ from sculler_model.algorithms import S_DENOMINATOR, SCROLLING_DENOMINATOR
 from sculler_model.design import STATUS_SHORT_HISTORY, Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
-
-if TYPE_CHECKING:  # navigation builds on this module
-    from sculler_model.frames import AxisMap
+from sculler_model.frames import AxisMap
 
 Array = NDArray[np.float64]
 
