@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_hdl.core import timing
+from sculler_hdl import timing
 from sculler_model.blocks import VectorBlock
 from sculler_model.design import Design
 from sculler_model.golden import GoldenModel

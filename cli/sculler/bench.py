@@ -27,7 +27,7 @@ from rich.table import Table
 from sculler import bench_navigate, terminal
 from sculler.logs import LogWriter, read_log
 from sculler.main import run_command
-from sculler_hdl.core import timing
+from sculler_hdl import timing
 from sculler_model.blocks import VectorBlock
 from sculler_model.design import Design
 from sculler_model.errors import InputError

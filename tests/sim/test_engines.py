@@ -6,7 +6,7 @@ Every design on every core and target: test_pipelined_rtl, test_compact_rtl, tes
 import pytest
 
 from rtl import golden, in_chunks, samples_of, write
-from sculler_hdl.core import timing
+from sculler_hdl import timing
 from sculler_model.blocks import VectorBlock
 from sculler_model.fast import FastModel, run_fast
 from sculler_sim.compare import compare
