@@ -72,13 +72,13 @@ format: $(READY)
 	$(BIN)/ruff check --fix .
 
 bench: $(READY)
-	$(BIN)/python -m sculler.bench
+	$(BIN)/python -m studies.bench
 
 accuracy: $(READY)
-	$(BIN)/python -m sculler.accuracy
+	$(BIN)/python -m studies.accuracy
 
 hardware: $(READY)
-	$(BIN)/python -m sculler.hardware
+	$(BIN)/python -m studies.hardware
 
 clean:
 	rm -rf $(VENV) $(LOWEST) .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from sculler_hdl import timing
 from sculler_model.design import Design
+from sculler_sim.engines.verilator_build import emitted
 from sculler_sim.testbench import LEAST, Least, write_testbench
-from sculler_sim.verilator_build import emitted
 
 
 def bench_of(design: Design, folder: Path, least: Least = LEAST) -> dict[str, str]:

@@ -16,8 +16,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.design import Design
-from sculler_model.wordlength import Interval
+from sculler_model.design import Design, Interval
 
 Matrix = NDArray[np.object_]
 Axis = tuple[str, int]
@@ -169,7 +168,7 @@ def extreme(design: Design, vector: str, sign: int) -> Extreme:
 
     Args:
         design: the design.
-        vector: one of `sculler_model.vectors.VECTORS`; all its components are alike.
+        vector: one of `sculler_model.design.VECTORS`; all its components are alike.
         sign: 1 or -1.
 
     Raises:

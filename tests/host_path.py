@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from sculler_model.design import Design
 from sculler_model.fast import FastModel
-from sculler_model.host import MajorIncrements, major_increments
-from sculler_model.navigation.rotation import (
+from sculler_model.frames import (
     Quaternion,
     Vector,
     conjugate,
@@ -18,7 +17,8 @@ from sculler_model.navigation.rotation import (
     product,
     to_rotation_vector,
 )
-from sculler_model.quantise import Quantiser
+from sculler_model.host import MajorIncrements, major_increments
+from sculler_model.samples import Quantiser
 
 
 def fine_design(

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.design import Design
-from sculler_model.scrolling import scrolling_weight
-from sculler_model.wordlength import Interval
+from sculler_model.algorithms import scrolling_weight
+from sculler_model.design import Design, Interval
 from strategies import Counts, make_design
 
 

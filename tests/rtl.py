@@ -9,16 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler.formats.comparison import compare
+from sculler.formats.vectors import VectorsWriter
 from sculler_hdl import timing
-from sculler_model.blocks import VectorBlock
-from sculler_model.design import Design
-from sculler_model.golden import GoldenModel
-from sculler_model.throughput import clocks_per_major
-from sculler_model.vectors import COLUMNS
-from sculler_sim.compare import compare
+from sculler_model.design import COLUMNS, Design
+from sculler_model.fast import VectorBlock
+from sculler_model.golden import GoldenModel, clocks_per_major
 from sculler_sim.engine import EngineName, simulate, trace
 from sculler_sim.stimulus import Stimulus
-from sculler_sim.vectors_file import VectorsWriter
 from strategies import Counts, Samples, samples_of
 
 

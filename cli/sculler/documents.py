@@ -9,8 +9,8 @@ from textwrap import fill
 import click
 
 from sculler import terminal
-from sculler.plots import require_matplotlib
-from sculler_sim.files import make_folder, replacing
+from sculler.plots.pictures import require_matplotlib
+from sculler_model.outputs import make_folder, replacing
 
 WIDTH = 105
 """Columns of a document's paragraphs."""

@@ -9,10 +9,10 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from sculler import against_truth
-from sculler.origin import Step, environment, told
+from sculler.formats.origin import Step, environment, told
+from sculler.runs import against_truth
 from sculler_model.design import Design
-from sculler_sim.files import replacing
+from sculler_model.outputs import replacing
 
 _STYLE = """
 :root { color-scheme: light; }

@@ -145,9 +145,8 @@ def load_design(name: str) -> Design:
     Raises:
         InputError: neither, or the file has faults.
     """
-    from sculler_model.design import Design
+    from sculler_model.design import PRESETS, Design
     from sculler_model.errors import InputError
-    from sculler_model.presets import PRESETS
 
     if Path(name).exists():
         return Design.load(name)
@@ -165,7 +164,7 @@ def why_no_verilator() -> str | None:
         InputError: $CXX is set and cannot be used.
     """
     from sculler_model.errors import InputError
-    from sculler_sim.verilator_build import Tools
+    from sculler_sim.engines.verilator_build import Tools
 
     try:
         Tools.find()

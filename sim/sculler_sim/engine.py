@@ -26,11 +26,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_hdl import timing
-from sculler_model.blocks import VectorBlock, component_dtype
-from sculler_model.cycles import CycleModel, Ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_sim import amaranth_engine, verilator_engine
+from sculler_model.fast import VectorBlock, component_dtype
+from sculler_model.golden import CycleModel, Ports
+from sculler_sim.engines import amaranth as amaranth_engine
+from sculler_sim.engines import verilator as verilator_engine
 from sculler_sim.run import CheckedChunk, Chunk, PortTrace, Progress, check_chunks
 from sculler_sim.stimulus import Stimulus
 from sculler_sim.surroundings import Surroundings

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.cycles import Ports, Timing, result_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.golden import check_widths
+from sculler_model.golden import Ports, Timing, check_widths, result_ports
 from sculler_sim.stimulus import Stimulus
 
 Chunk = tuple[NDArray[Any], NDArray[Any] | None]
@@ -118,7 +117,7 @@ class PortTrace:
         sample_ready, result_valid: (clocks,) of 0 and 1.
         result: (clocks, ports) Python integers as in `Ports.result`, signed as the ports are.
         counters: (clocks, 2) `samples_lost`, and `results_dropped` or 0.
-        ports: names of the result ports, `sculler_model.cycles.result_ports`.
+        ports: names of the result ports, `sculler_model.golden.result_ports`.
     """
 
     sample_ready: NDArray[np.uint8]

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
-from sculler_model.cycles import Ports, Timing
 from sculler_model.design import Design
-from sculler_model.golden import Sample
-from sculler_model.stream import from_words, words_per_result
+from sculler_model.golden import Ports, Sample, Timing, from_words, words_per_result
 from sculler_sim.run import RESET, CheckedChunk, Progress, wrong_last
 from sculler_sim.stimulus import Stimulus
 

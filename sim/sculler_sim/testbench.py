@@ -29,14 +29,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_hdl import Port, counter_ports, result_ports, sample_ports
-from sculler_model.cycles import COUNTER_MAX, Timing
-from sculler_model.design import Design
+from sculler_model.design import STATUS_LOST, Design, Interval
 from sculler_model.fast import run_fast
-from sculler_model.stream import to_words, words_per_column, words_per_result
-from sculler_model.throughput import clocks_per_major
-from sculler_model.vectors import STATUS_LOST
-from sculler_model.wordlength import Interval
-from sculler_sim.files import make_folder, replacing
+from sculler_model.golden import (
+    COUNTER_MAX,
+    Timing,
+    clocks_per_major,
+    to_words,
+    words_per_column,
+    words_per_result,
+)
+from sculler_model.outputs import make_folder, replacing
 
 _SEED = 2001
 _DROPPING = 5  # major intervals after which a result has been dropped

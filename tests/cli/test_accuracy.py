@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sculler import accuracy
+from studies import accuracy
 
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile("[−-]?\\d+(?:\\.\\d+)?(?:e-?\\d+)?")

@@ -12,7 +12,7 @@ import pytest
 
 from sculler_model.analysis.manoeuvre import MANOEUVRES
 from sculler_model.design import Design
-from sculler_model.quantise import Quantiser
+from sculler_model.samples import Quantiser
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]

@@ -14,7 +14,7 @@ import pytest
 
 from sculler.commands import analyze
 from sculler.main import VERBS
-from sculler_sim.verilator_build import Tools
+from sculler_sim.engines.verilator_build import Tools
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from sculler import bench
-from sculler.bench import Task
 from sculler.main import run_command
 from sculler_model.design import Design
+from studies import bench
+from studies.bench import Task
 
 COMPARED = {
     "motion": "flight",

@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-from sculler.bench_navigate import compare
 from sculler_model.errors import InputError
+from studies.bench_navigate import compare
 
 OURS, THEIRS = "wander azimuth, compiled", "python-ins Integrator"
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import scipy.io
 
-from sculler.logs import read_log
+from sculler.formats.log import read_log
 from sculler_model.design import Design
 
 Run = Callable[..., Any]

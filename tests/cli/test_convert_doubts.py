@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler.logs import read_log
+from sculler.formats.log import read_log
 from sculler_model.design import Design
 
 Run = Callable[..., Any]

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 import scipy.io
 
-from sculler import formats
 from sculler.commands.convert import command
-from sculler.logs import read_log
+from sculler.formats.log import read_log
+from sculler.readers import registry as formats
 from sculler_model.design import Design
 
 Run = Callable[..., Any]

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 import scipy.io
 
-from sculler.logs import read_log
-from sculler.mounting import Mounting, parse_axes
+from sculler.formats.log import read_log
+from sculler.readers.mounting import Mounting, parse_axes
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 
@@ -371,8 +371,8 @@ def test_memory_does_not_grow_with_the_log(
 ) -> None:
     """Everything at once, on a log and on one eight times as long."""
     monkeypatch.setattr("sculler.readers.text._CHUNK_ROWS", 256)
-    monkeypatch.setattr("sculler_model.plausibility.BLOCK", 256)
-    monkeypatch.setattr("sculler_model.plausibility._KEPT", 256)
+    monkeypatch.setattr("sculler_model.samples.plausibility.BLOCK", 256)
+    monkeypatch.setattr("sculler_model.samples.plausibility._KEPT", 256)
     words = ("--design", design, *RATES, "--gaps", "bridge", "--steps", "resample", "--json")
 
     def peak(rows: int) -> int:

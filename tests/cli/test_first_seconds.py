@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sculler.first_seconds import PLAIN, FirstSeconds
+from sculler.checks.first_seconds import PLAIN, FirstSeconds
+from sculler_model.frames import AxisMap, from_euler, gravity
 from sculler_model.host import MajorIncrements
 from sculler_model.motion import at_rest, turn_motion
-from sculler_model.navigation import AxisMap, NavState, constant_gravity
-from sculler_model.navigation.earth import gravity
-from sculler_model.navigation.exact import exact_increments
-from sculler_model.navigation.rotation import from_euler
+from sculler_model.navigation import NavState, constant_gravity, exact_increments
 
 Array = NDArray[np.float64]
 

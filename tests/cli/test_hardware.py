@@ -7,12 +7,12 @@ from pathlib import Path
 import click.testing
 import pytest
 
-from sculler import hardware
-from sculler.hardware import Corner, Point, points
 from sculler_model.errors import InputError
 from sculler_sim.place.devices import find_device
 from sculler_sim.place.nextpnr import WorstPath
 from sculler_sim.place.placement import Area, Placement, Seed, check_target
+from studies import hardware
+from studies.hardware import Corner, Point, points
 
 
 def placed(

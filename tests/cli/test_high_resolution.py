@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from sculler_model.vectors import COLUMNS, HIGH_RESOLUTION_COLUMNS
+from sculler_model.design import COLUMNS, HIGH_RESOLUTION_COLUMNS
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]

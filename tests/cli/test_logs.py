@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sculler.logs import BLOCK_BYTES, Chunk, LogWriter, read_log
-from sculler.plain_rows import parse
+from sculler.formats.log import BLOCK_BYTES, Chunk, LogWriter, read_log
+from sculler.formats.plain_rows import parse
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 

@@ -9,11 +9,13 @@ from typing import Any
 
 import pytest
 
-from sculler import history, logs, truth_file
-from sculler_model import plausibility
-from sculler_model.motion import sampling
+from sculler.formats import history
+from sculler.formats import log as logs
+from sculler.formats import truth as truth_file
+from sculler.formats import vectors as vectors_file
+from sculler_model import motion
 from sculler_model.navigation import navigator
-from sculler_sim import vectors_file
+from sculler_model.samples import plausibility
 
 Run = Callable[..., Any]
 
@@ -28,7 +30,8 @@ GROWTH = 200e3
 @pytest.fixture
 def _small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Many blocks in little time, and no compiler, whose memory would hide theirs."""
-    monkeypatch.setattr(sampling, "CHUNK", 1 << 11)
+    monkeypatch.setattr(motion, "CHUNK", 1 << 11)
+    monkeypatch.setattr(motion.sampling, "CHUNK", 1 << 11)
     monkeypatch.setattr(logs, "BLOCK_BYTES", 1 << 13)
     monkeypatch.setattr(plausibility, "BLOCK", 1 << 9)
     monkeypatch.setattr(truth_file, "BLOCK", 500)

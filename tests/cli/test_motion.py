@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from sculler.commands import motion as verb
-from sculler.logs import read_log
-from sculler.truth_file import read_truth
+from sculler.formats.log import read_log
+from sculler.formats.truth import read_truth
 from sculler_model.design import Design
 from sculler_model.motion import MOTIONS, Vibration, coning
 from sculler_model.navigation import NavHistory

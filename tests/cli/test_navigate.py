@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler import plots
-from sculler.history import Thinned
-from sculler.logs import LogWriter
+from sculler.formats.history import Thinned
+from sculler.formats.log import LogWriter
+from sculler.plots import pictures as plots
 from sculler_model.design import Design
 from sculler_model.motion import Motion, at_rest, turn_motion
 from sculler_model.navigation import NavHistory
-from sculler_model.quantise import Quantiser
+from sculler_model.samples import Quantiser
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]

@@ -12,19 +12,18 @@ import numpy as np
 import pytest
 
 from fine_sensor import fine_design_file
-from sculler.history import HistoryWriter
-from sculler.logs import LogWriter
-from sculler.oddities import Oddities
-from sculler.truth_file import read_truth
-from sculler.vector_breaks import Break, stretches
-from sculler_model.blocks import VectorBlock
+from sculler.checks.oddities import Oddities
+from sculler.checks.vector_breaks import Break, stretches
+from sculler.formats.history import HistoryWriter
+from sculler.formats.log import LogWriter
+from sculler.formats.truth import read_truth
+from sculler.formats.vectors import read_vectors
 from sculler_model.design import Design
+from sculler_model.fast import VectorBlock
 from sculler_model.host import MajorIncrements
-from sculler_model.motion import Motion, at_rest
-from sculler_model.motion.catalogue import steady_turn
+from sculler_model.motion import Motion, at_rest, steady_turn
 from sculler_model.navigation import NavHistory
-from sculler_model.quantise import Quantiser
-from sculler_sim.vectors_file import read_vectors
+from sculler_model.samples import Quantiser
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]

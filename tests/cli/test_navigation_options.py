@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler.logs import LogWriter
-from sculler.navigation_options import read_gravity_table, sensor_noise
+from sculler.commands.options.navigation import read_gravity_table, sensor_noise
+from sculler.formats.log import LogWriter
 from sculler_model.design import Design
+from sculler_model.frames import gravity
 from sculler_model.motion import at_rest
-from sculler_model.navigation.earth import gravity
-from sculler_model.navigation.gravity import pull
-from sculler_model.quantise import Quantiser
+from sculler_model.navigation import pull
+from sculler_model.samples import Quantiser
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]

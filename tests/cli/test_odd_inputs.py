@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sculler_model import outputs as files_module
+from sculler_model.design import MAX_BITS
 from sculler_model.errors import InputError
 from sculler_model.inputs import MAX_SMALL
-from sculler_model.wordlength import MAX_BITS
-from sculler_sim import files as files_module
-from sculler_sim.files import MAX_LINE, gathering, open_lines, replacing
+from sculler_model.outputs import MAX_LINE, gathering, open_lines, replacing
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]

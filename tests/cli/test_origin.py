@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from sculler.origin import chain, record_path
+from sculler.formats.origin import chain, record_path
 
 Run = Callable[..., Any]
 

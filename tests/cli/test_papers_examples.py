@@ -17,18 +17,18 @@ import numpy as np
 import pytest
 
 from fine_sensor import fine_design_file
-from sculler.logs import read_log
-from sculler.truth_file import read_truth
-from sculler_model.closed_form import drift_rate
+from sculler.formats.log import read_log
+from sculler.formats.truth import read_truth
+from sculler_model.analysis.closed_form import drift_rate
 from sculler_model.design import Design
-from sculler_model.navigation import NavHistory
-from sculler_model.navigation.rotation import (
+from sculler_model.frames import (
     conjugate,
     from_rotation_vector,
     normalised,
     product,
     to_rotation_vector,
 )
+from sculler_model.navigation import NavHistory
 
 Run = Callable[..., Any]
 

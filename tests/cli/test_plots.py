@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler.plots import error_picture, navigation_pictures, track_picture
-from sculler.plots_truth import truth_pictures
+from sculler.plots.pictures import error_picture, navigation_pictures, track_picture
+from sculler.plots.truth import truth_pictures
+from sculler_model.frames import from_euler
 from sculler_model.motion import turn_motion
-from sculler_model.navigation import NavHistory
-from sculler_model.navigation.rotation import from_euler
-from sculler_model.navigation_errors import navigation_errors
+from sculler_model.navigation import NavHistory, navigation_errors
 
 matplotlib = pytest.importorskip("matplotlib")
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import raw_datagrams as raw
-from sculler.logs import read_log
+from sculler.formats.log import read_log
 from sculler.readers.raw.checksums import ZIP, Crc
 from sculler_model.design import Design
 

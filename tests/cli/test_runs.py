@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler_model.design import Design
-from sculler_model.vectors import COLUMNS
+from sculler_model.design import COLUMNS, Design
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]

@@ -12,13 +12,12 @@ import numpy as np
 import pytest
 
 from fine_sensor import fine_design_file
-from sculler.truth_file import read_truth
+from sculler.formats.truth import read_truth
+from sculler.formats.vectors import read_vectors
 from sculler_model.design import Design
 from sculler_model.host import MajorIncrements, major_increments
-from sculler_model.instants import interval_end
-from sculler_model.navigation import NavHistory, Navigator
-from sculler_model.navigation_errors import navigation_errors, rows
-from sculler_sim.vectors_file import read_vectors
+from sculler_model.navigation import NavHistory, Navigator, navigation_errors, rows
+from sculler_model.samples import interval_end
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]

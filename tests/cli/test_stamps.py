@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler.stamps import HELD, WINDOW, Shift, ShiftFinder, wrong_rate
+from sculler.checks.stamps import HELD, WINDOW, Shift, ShiftFinder, wrong_rate
 
 T = 1e-3
 N = np.arange(1000)

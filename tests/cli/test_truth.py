@@ -17,12 +17,12 @@ import pytest
 import scipy.io
 
 from fine_sensor import fine_design_file
-from sculler.history import HEADER, HistoryWriter
-from sculler.plots_truth import from_above
-from sculler.truth_file import BLOCK, read_truth
+from sculler.formats.history import HEADER, HistoryWriter
+from sculler.formats.truth import BLOCK, read_truth
+from sculler.plots.truth import from_above
+from sculler_model.frames import gravity, radii
 from sculler_model.motion import great_circle, hour_flight, over_the_pole
 from sculler_model.navigation import NavHistory
-from sculler_model.navigation.earth import gravity, radii
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]

@@ -16,9 +16,8 @@ from sculler_hdl.compact.memory import BlockMemory, _initial_row
 from sculler_hdl.compact.multiplier import DigitMultiplier
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.targets import TARGETS
-from sculler_model.cycles import CycleModel, Ports
 from sculler_model.design import Design
-from sculler_model.stream import words_per_result
+from sculler_model.golden import CycleModel, Ports, words_per_result
 from strategies import DESIGNS, samples_of
 
 

@@ -17,10 +17,9 @@ from sculler_hdl.plan.compact.instructions import When
 from sculler_hdl.plan.compact.interpreter import Interpreter
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.plan.compact.scrolling import WEIGHTS, factor_ranges
-from sculler_model.golden import GoldenModel
-from sculler_model.scrolling import scrolling_weight
-from sculler_model.stream import to_words
-from sculler_model.wordlength import Interval
+from sculler_model.algorithms import scrolling_weight
+from sculler_model.design import Interval
+from sculler_model.golden import GoldenModel, to_words
 from strategies import DESIGNS, make_design, random_counts, with_hardware
 
 EACH = pytest.mark.parametrize("design", HIGH_RESOLUTION.values(), ids=HIGH_RESOLUTION)

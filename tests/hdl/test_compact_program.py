@@ -22,10 +22,8 @@ from sculler_hdl.plan.compact.pipeline import Pipeline
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.plan.compact.scheduling import schedule
 from sculler_hdl.plan.history import short_majors
-from sculler_model.design import Design
-from sculler_model.golden import GoldenModel
-from sculler_model.stream import to_words
-from sculler_model.wordlength import Interval
+from sculler_model.design import Design, Interval
+from sculler_model.golden import GoldenModel, to_words
 from strategies import DESIGNS, designs, random_counts
 
 ALL = DESIGNS | HIGH_RESOLUTION

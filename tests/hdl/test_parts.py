@@ -34,9 +34,8 @@ from sculler_hdl.plan.multiplier import MultiplierPlan, OperandSplit, operand_sp
 from sculler_hdl.plan.running_sum import RunningSumPlan
 from sculler_hdl.plan.transfer import HandOverPlan
 from sculler_hdl.plan.weighted_sum import WeightedSumPlan, terms_of
-from sculler_model.stream import from_words, words_per_column, words_per_result
-from sculler_model.vectors import AXES, COLUMNS, VECTORS
-from sculler_model.wordlength import Interval, word_lengths
+from sculler_model.design import AXES, COLUMNS, VECTORS, Interval, word_lengths
+from sculler_model.golden import from_words, words_per_column, words_per_result
 from strategies import DESIGNS
 
 

@@ -13,11 +13,9 @@ from sculler_hdl.pipelined.core import PipelinedCore
 from sculler_hdl.plan.cross_array import FOLDINGS
 from sculler_hdl.plan.pipelined import LATENCY_GOAL, POSITION_LATENCY_GOAL, plan_pipelined
 from sculler_hdl.plan.schedule import launch_gap
-from sculler_model.cycles import CycleModel, Ports, result_ports
-from sculler_model.design import Design
+from sculler_model.design import AXES, Design
 from sculler_model.errors import InputError
-from sculler_model.throughput import clocks_per_major
-from sculler_model.vectors import AXES
+from sculler_model.golden import CycleModel, Ports, clocks_per_major, result_ports
 from strategies import DESIGNS, make_design, samples_of
 
 

@@ -12,8 +12,8 @@ from sculler_hdl.pipelined.position import Position
 from sculler_hdl.plan.arrival import Limbs, spans
 from sculler_hdl.plan.cross_array import FOLDINGS
 from sculler_hdl.plan.position import PositionPlan, most_ahead
-from sculler_model.scrolling import high_resolution
-from sculler_model.wordlength import word_lengths
+from sculler_model.algorithms import high_resolution
+from sculler_model.design import word_lengths
 from strategies import make_design
 
 

@@ -11,9 +11,8 @@ import sys
 import pytest
 
 from sculler_hdl import describe_ports, generate
-from sculler_model.design import Design
-from sculler_model.vectors import COLUMNS
-from sculler_sim.verilator_build import emitted
+from sculler_model.design import COLUMNS, Design
+from sculler_sim.engines.verilator_build import emitted
 from strategies import DESIGNS, with_hardware
 
 

@@ -18,7 +18,9 @@ from sculler_hdl.plan.schedule import (
     weight_rows,
 )
 from sculler_hdl.plan.weighted_sum import terms_of
-from sculler_model.advice import (
+from sculler_model.algorithms import filtered_rate, frequency_taylor, time_taylor
+from sculler_model.analysis import frequency
+from sculler_model.analysis.advice import (
     Candidate,
     Environment,
     Requirement,
@@ -27,13 +29,10 @@ from sculler_model.advice import (
     cost,
     signed_digits,
 )
-from sculler_model.analysis import frequency
+from sculler_model.analysis.closed_form import drift_rate
 from sculler_model.analysis.vibration import PROFILES, G, Mount, respond
-from sculler_model.closed_form import drift_rate
-from sculler_model.coefficients import filtered_rate, frequency_taylor
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.families.time_taylor import time_taylor
 
 STIM = Design.preset("stim300")
 SHAKEN = Environment(

@@ -9,11 +9,10 @@ import pytest
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
+from sculler_model.frames import EARTH_RATE, conjugate, gravity, product, to_dcm, to_rotation_vector
 from sculler_model.host import MajorIncrements, velocity_rotation
 from sculler_model.motion import Curve, Motion, Turn, X, Y, Z, at_rest
 from sculler_model.navigation import Alignment, align, navigate
-from sculler_model.navigation.earth import EARTH_RATE, gravity
-from sculler_model.navigation.rotation import conjugate, product, to_dcm, to_rotation_vector
 
 LAT, LON, H = radians(48.0), 0.2, 500.0
 INTERVAL = 0.5

@@ -10,11 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sculler_model.host import MajorIncrements, velocity_rotation
-from sculler_model.motion import Curve, Motion, Turn, X, Y, Z, at_rest
-from sculler_model.navigation import SensorNoise, align, align_finely
-from sculler_model.navigation.alignment import euler_sigmas
-from sculler_model.navigation.rotation import (
+from sculler_model.frames import (
     conjugate,
     from_euler,
     from_rotation_vector,
@@ -23,6 +19,9 @@ from sculler_model.navigation.rotation import (
     to_euler,
     to_rotation_vector,
 )
+from sculler_model.host import MajorIncrements, velocity_rotation
+from sculler_model.motion import Curve, Motion, Turn, X, Y, Z, at_rest
+from sculler_model.navigation import SensorNoise, align, align_finely, euler_sigmas
 
 Array = NDArray[np.float64]
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sculler_model.blocks import VectorBlock, component_dtype
-from sculler_model.vectors import (
+from sculler_model.design import (
     COLUMNS,
     COMPONENTS,
     HIGH_RESOLUTION_COLUMNS,
@@ -14,6 +13,7 @@ from sculler_model.vectors import (
     VECTORS,
     Result,
 )
+from sculler_model.fast import VectorBlock, component_dtype
 from strategies import DESIGNS
 
 RESULTS = [

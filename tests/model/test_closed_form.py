@@ -8,7 +8,8 @@ from math import cos, degrees, pi, radians, sin
 import numpy as np
 import pytest
 
-from sculler_model.closed_form import (
+from sculler_model.algorithms import TapTable, filtered_rate, frequency_taylor
+from sculler_model.analysis.closed_form import (
     LeadingTerm,
     algorithm_correction,
     coning_increments,
@@ -18,7 +19,6 @@ from sculler_model.closed_form import (
     true_correction,
     uncorrected_rate,
 )
-from sculler_model.coefficients import TapTable, filtered_rate, frequency_taylor
 
 DENSE = TapTable.from_rationals(
     [[], [Fraction(57, 80)], [Fraction(57, 80), Fraction(33, 80)]], [Fraction(1)] * 3

@@ -20,8 +20,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sculler_model.coefficients import (
-    FAMILIES,
+from sculler_model.algorithms import (
+    CLOSED_FORMS,
     TapTable,
     filtered_rate,
     frequency_taylor,
@@ -307,8 +307,8 @@ def determinant(matrix: list[list[Fraction]]) -> Fraction:
 
 class TestTapTable:
     def test_every_computed_family_is_named(self) -> None:
-        assert FAMILIES["frequency-taylor"](4, 0) == frequency_taylor(4, 0)
-        assert FAMILIES["filtered-rate"](2, 1) == filtered_rate(2, 1)
+        assert CLOSED_FORMS["frequency-taylor"](4, 0) == frequency_taylor(4, 0)
+        assert CLOSED_FORMS["filtered-rate"](2, 1) == filtered_rate(2, 1)
 
     def test_lowest_terms(self) -> None:
         table = TapTable.from_integers(4, 630, [1284, 552, 324], 6, [6, 6, 6, 6, 0])

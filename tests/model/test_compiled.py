@@ -14,10 +14,15 @@ import pytest
 from sculler_model.errors import InputError
 from sculler_model.host import MajorIncrements
 from sculler_model.motion import turn_motion
-from sculler_model.navigation import HeightDamping, NavHistory, Navigator, NavState
+from sculler_model.navigation import (
+    HeightDamping,
+    NavHistory,
+    Navigator,
+    NavState,
+    compiled_run,
+    exact_increments,
+)
 from sculler_model.navigation import navigator as module
-from sculler_model.navigation.compiled import compiled_run
-from sculler_model.navigation.exact import exact_increments
 
 NAMES = ("time", "q", "v", "lat", "lon", "h", "wander")
 WHERE = turn_motion(rocking=radians(1), shaking=3.0)

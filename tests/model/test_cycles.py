@@ -10,11 +10,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sculler_model.cycles import CycleModel, Dropping, Ports, Timing, result_ports
-from sculler_model.design import Design
+from sculler_model.design import COLUMNS, Design, Result
 from sculler_model.errors import InputError
-from sculler_model.golden import GoldenModel, Sample
-from sculler_model.vectors import COLUMNS, Result
+from sculler_model.golden import (
+    CycleModel,
+    Dropping,
+    GoldenModel,
+    Ports,
+    Sample,
+    Timing,
+    result_ports,
+)
 from strategies import DESIGNS, make_design, random_counts, with_hardware
 
 ZERO: Sample = ((0, 0, 0), (0, 0, 0), 0)

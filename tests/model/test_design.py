@@ -10,11 +10,9 @@ from typing import Any
 
 import pytest
 
-from sculler_model.coefficients import TapTable, filtered_rate, frequency_taylor
-from sculler_model.design import Design, Hardware
+from sculler_model.algorithms import TapTable, filtered_rate, frequency_taylor
+from sculler_model.design import COLUMNS, COMPONENTS, PRESETS, VECTORS, Design, Hardware
 from sculler_model.errors import InputError
-from sculler_model.presets import PRESETS
-from sculler_model.vectors import COLUMNS, COMPONENTS, VECTORS
 from strategies import DESIGNS
 
 STIM300 = """\

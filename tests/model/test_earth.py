@@ -5,7 +5,7 @@ from math import cos, pi, radians, sin, tan
 import numpy as np
 import pytest
 
-from sculler_model.navigation import earth
+from sculler_model.frames import earth
 
 A, F = 6378137.0, 1 / np.longdouble("298.257223563")
 E2 = F * (2 - F)

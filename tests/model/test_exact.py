@@ -7,10 +7,10 @@ from math import radians
 import numpy as np
 
 from host_path import chained
+from sculler_model.frames import conjugate, product, to_rotation_vector
 from sculler_model.host import velocity_rotation
 from sculler_model.motion import Motion, at_rest, turn_motion
-from sculler_model.navigation.exact import exact_increments
-from sculler_model.navigation.rotation import conjugate, product, to_rotation_vector
+from sculler_model.navigation import exact_increments
 
 
 def test_at_rest_they_are_the_constant_rate_and_force() -> None:

@@ -10,6 +10,15 @@ import pytest
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
+from sculler_model.frames import (
+    EARTH_RATE,
+    Quaternion,
+    conjugate,
+    gravity,
+    product,
+    to_dcm,
+    to_rotation_vector,
+)
 from sculler_model.host import MajorIncrements, velocity_rotation
 from sculler_model.motion import Motion, at_rest
 from sculler_model.navigation import (
@@ -18,14 +27,6 @@ from sculler_model.navigation import (
     SensorNoise,
     align_finely,
     navigate,
-)
-from sculler_model.navigation.earth import EARTH_RATE, gravity
-from sculler_model.navigation.rotation import (
-    Quaternion,
-    conjugate,
-    product,
-    to_dcm,
-    to_rotation_vector,
 )
 
 Array = NDArray[np.float64]

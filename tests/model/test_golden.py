@@ -14,11 +14,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from position_designs import HIGH_RESOLUTION
-from sculler_model.design import Design
+from sculler_model.algorithms import Vec, high_resolution
+from sculler_model.design import Design, Result
 from sculler_model.errors import InputError
 from sculler_model.golden import GoldenModel, Sample
-from sculler_model.scrolling import high_resolution
-from sculler_model.vectors import Result, Vec
 from strategies import DESIGNS, designs, make_design, random_counts
 
 F = Fraction
@@ -254,6 +253,23 @@ class TestStatus:
         design = make_design("history", n, 0, minors, (8, 8), denominator=3, **table)
         rows = [[0] * 6] * (6 * n * minors)
         assert [result.status for result in run(design, rows)] == [1] * short + [0] * (6 - short)
+
+    @pytest.mark.parametrize("name", [*DESIGNS, *HIGH_RESOLUTION])
+    def test_short_history_is_where_earlier_samples_would_make_a_difference(
+        self, name: str
+    ) -> None:
+        rng = np.random.default_rng(19680220)
+        design = (DESIGNS | HIGH_RESOLUTION)[name]
+        span = design.samples_per_major
+        lead = span * -(-max(design.table.history, 1) // span)
+        counts = random_counts(design, lead + span * 3, rng)
+        # the same samples after two pasts: vectors that differ have reached into the past
+        pasts = [random_counts(design, lead, rng) for _ in range(2)]
+        runs = [run(design, np.concatenate([past, counts]).tolist()) for past in pasts]
+        count = len(counts) // span
+        vectors = [[result[2:] for result in results[-count:]] for results in runs]
+        differ = [one != other for one, other in zip(*vectors, strict=True)]
+        assert [bool(r.status & 1) for r in run(design, counts.tolist())] == differ
 
     def test_a_fault_marks_its_own_interval(self) -> None:
         model = GoldenModel(make_design("fault", 2, 0, 2, (8, 8)))

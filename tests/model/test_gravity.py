@@ -10,16 +10,19 @@ import numpy as np
 import pytest
 
 from sculler_model.errors import InputError
+from sculler_model.frames import earth
 from sculler_model.host import MajorIncrements
 from sculler_model.motion import at_rest
-from sculler_model.navigation import GeographicNavigator, Navigator, align, earth
-from sculler_model.navigation.compiled import compiled_run
-from sculler_model.navigation.exact import exact_increments
-from sculler_model.navigation.gravity import (
+from sculler_model.navigation import (
     NORMAL,
+    GeographicNavigator,
     Gravity,
+    Navigator,
+    align,
+    compiled_run,
     constant_gravity,
     covers,
+    exact_increments,
     pull,
     table_of_gravity,
 )

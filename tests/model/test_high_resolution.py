@@ -11,9 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 from host_path import fine_design
-from sculler_model.blocks import VectorBlock
+from sculler_model.algorithms import SCROLLING_DENOMINATOR
 from sculler_model.design import Design
-from sculler_model.fast import run_fast
+from sculler_model.fast import VectorBlock, run_fast
+from sculler_model.frames import radii
 from sculler_model.golden import GoldenModel
 from sculler_model.host import (
     MajorIncrements,
@@ -26,9 +27,7 @@ from sculler_model.host import (
 )
 from sculler_model.motion import Curve, Motion, Turn, Z, at_rest, turn_motion
 from sculler_model.navigation import NavHistory, Navigator
-from sculler_model.navigation.earth import radii
-from sculler_model.quantise import Quantiser
-from sculler_model.scrolling import SCROLLING_DENOMINATOR
+from sculler_model.samples import Quantiser
 
 Array = NDArray[np.float64]
 Plane = NDArray[np.complex128]

@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from host_path import attitude_error, chained, fine_design, through_core
-from sculler_model import host
-from sculler_model.blocks import VectorBlock
-from sculler_model.closed_form import drift_rate, uncorrected_rate
-from sculler_model.design import Design
-from sculler_model.fast import run_fast
+from sculler_model.analysis.closed_form import drift_rate, uncorrected_rate
+from sculler_model.design import COMPONENTS, VECTORS, Design
+from sculler_model.fast import VectorBlock, run_fast
+from sculler_model.frames import AxisMap, Quaternion, rotate
 from sculler_model.host import (
     MajorIncrements,
     ThirdOrder,
@@ -25,11 +24,9 @@ from sculler_model.host import (
     uncorrected,
     velocity_rotation,
 )
+from sculler_model.host import increments as host
 from sculler_model.motion import Coning, Sculling
-from sculler_model.navigation import AxisMap
-from sculler_model.navigation.rotation import Quaternion, rotate
-from sculler_model.quantise import Quantiser
-from sculler_model.vectors import COMPONENTS, VECTORS
+from sculler_model.samples import Quantiser
 
 
 def turned(phi: NDArray) -> Callable[[NDArray], NDArray]:

@@ -8,16 +8,14 @@ import numpy as np
 import pytest
 
 from host_path import fine_design
-from sculler_model.cycles import CycleModel, Timing
+from sculler_model.algorithms import high_resolution
+from sculler_model.analysis.third_order import third_order_vectors
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
-from sculler_model.golden import GoldenModel
+from sculler_model.golden import CycleModel, GoldenModel, Timing
 from sculler_model.host import major_increments
-from sculler_model.quantise import Quantiser
-from sculler_model.sampling import Resampler
-from sculler_model.scrolling import high_resolution
-from sculler_model.third_order import third_order_vectors
+from sculler_model.samples import Quantiser, Resampler
 
 DTYPES = [np.dtype(f"{sign}{size}") for sign in "iu" for size in (1, 2, 4, 8)]
 WIDTH = 32  # of the counts

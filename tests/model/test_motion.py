@@ -10,10 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from sculler_model import motion
+from sculler_model.frames import gravity, gravity_lean, to_dcm
 from sculler_model.motion import Coning, Curve, Motion, Sculling, at_rest, turn_motion
 from sculler_model.navigation import NavHistory
-from sculler_model.navigation.earth import gravity, gravity_lean
-from sculler_model.navigation.rotation import to_dcm
 
 RATE, A, F = 7.292115e-5, 6378137.0, 1 / 298.257223563
 E2 = F * (2 - F)

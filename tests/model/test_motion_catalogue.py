@@ -10,8 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
+from sculler_model.frames import gravity, gravity_lean, to_dcm, to_euler
 from sculler_model.motion import (
     MOTIONS,
+    PLACE,
     Curve,
     Motion,
     SpinAccel,
@@ -22,10 +24,7 @@ from sculler_model.motion import (
     great_circle,
     over_the_pole,
 )
-from sculler_model.motion.catalogue import PLACE
 from sculler_model.navigation import NavHistory
-from sculler_model.navigation.earth import gravity, gravity_lean
-from sculler_model.navigation.rotation import to_dcm, to_euler
 
 RATE, A, F = 7.292115e-5, 6378137.0, 1 / 298.257223563
 E2 = F * (2 - F)

@@ -11,16 +11,9 @@ import pytest
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
+from sculler_model.frames import from_rotation_vector, product, radii
 from sculler_model.motion import great_circle, hour_flight, over_the_pole
-from sculler_model.navigation import NavHistory
-from sculler_model.navigation.earth import radii
-from sculler_model.navigation.rotation import from_rotation_vector, product
-from sculler_model.navigation_errors import (
-    Comparison,
-    interpolated,
-    navigation_errors,
-    rows,
-)
+from sculler_model.navigation import Comparison, NavHistory, interpolated, navigation_errors, rows
 
 FLIGHT = hour_flight(radians(48), radians(11), 500.0)
 

@@ -11,6 +11,15 @@ from numpy.typing import NDArray
 
 from host_path import fine_design, through_core
 from sculler_model.errors import InputError
+from sculler_model.frames import (
+    EARTH_RATE,
+    conjugate,
+    from_euler,
+    gravity,
+    product,
+    radii,
+    to_rotation_vector,
+)
 from sculler_model.host import MajorIncrements, velocity_rotation
 from sculler_model.motion import Curve, Motion, at_rest, steady_attitude, turn_motion
 from sculler_model.navigation import (
@@ -21,8 +30,6 @@ from sculler_model.navigation import (
     navigate,
     trajectory,
 )
-from sculler_model.navigation.earth import EARTH_RATE, gravity, radii
-from sculler_model.navigation.rotation import conjugate, from_euler, product, to_rotation_vector
 
 LEVEL = NavState(0.0, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.8, 0.2, 100.0)
 

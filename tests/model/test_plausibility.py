@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler_model import plausibility
 from sculler_model.design import Design
-from sculler_model.motion.catalogue import MOTIONS, PLACE
-from sculler_model.plausibility import Finding, Plausibility, told
-from sculler_model.quantise import Quantiser
+from sculler_model.motion import MOTIONS, PLACE
+from sculler_model.samples import Finding, Plausibility, Quantiser, plausibility, told
 
 DESIGN = Design.preset("stim300")
 RATE = DESIGN.sensor.sample_rate_hz

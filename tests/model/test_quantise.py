@@ -8,7 +8,7 @@ import pytest
 
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.quantise import Quantiser
+from sculler_model.samples import Quantiser
 
 STIM = Design.preset("stim300")
 
@@ -83,7 +83,7 @@ def test_chunks_do_not_matter() -> None:
 def test_blocks_inside_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
     values = np.random.default_rng(3).normal(size=(1000, 6)) * 1e-5
     whole = Quantiser(STIM)(values)
-    monkeypatch.setattr("sculler_model.quantise._BLOCK", 7)
+    monkeypatch.setattr("sculler_model.samples.quantiser._BLOCK", 7)
     assert np.array_equal(Quantiser(STIM)(values), whole)
 
 
@@ -107,7 +107,7 @@ def test_extreme_counts_fit_and_one_more_does_not() -> None:
 
 @pytest.mark.parametrize("block", [1, 100])
 def test_a_refused_call_changes_nothing(block: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sculler_model.quantise._BLOCK", block)
+    monkeypatch.setattr("sculler_model.samples.quantiser._BLOCK", block)
     quantiser = Quantiser(design(8, 1.0))
     quantiser(np.full((1, 6), 0.4))
     before = quantiser.report()

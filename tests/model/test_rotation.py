@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from sculler_model.errors import InputError
-from sculler_model.navigation import rotation
-from sculler_model.navigation.rotation import AxisMap, Quaternion, Vector
+from sculler_model.frames import AxisMap, Quaternion, Vector, rotation
 
 component = st.floats(-3, 3)
 vectors = st.tuples(component, component, component)

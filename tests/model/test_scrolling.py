@@ -8,13 +8,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sculler_model.errors import InputError
-from sculler_model.scrolling import (
+from sculler_model.algorithms import (
     DoublyIntegrated,
     high_resolution,
     scrolling_weight,
     scrolling_weights_total,
 )
+from sculler_model.errors import InputError
 
 Vector = tuple[Fraction, ...]
 Poly = list[Vector]  # coefficient vectors of 1, t, t², ...

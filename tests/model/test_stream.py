@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from position_designs import HIGH_RESOLUTION
-from sculler_model.stream import from_words, to_words, words_per_column, words_per_result
-from sculler_model.vectors import COLUMNS, VECTORS
+from sculler_model.design import COLUMNS, VECTORS
+from sculler_model.golden import from_words, to_words, words_per_column, words_per_result
 from strategies import DESIGNS
 
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from host_path import fine_design
+from sculler_model.algorithms import cross
+from sculler_model.analysis.third_order import third_order_vectors, third_order_words
 from sculler_model.analysis.triple import ConingTurn, left
 from sculler_model.design import Design
+from sculler_model.frames import from_rotation_vector, product
 from sculler_model.golden import GoldenModel
-from sculler_model.navigation.rotation import from_rotation_vector, product
-from sculler_model.third_order import third_order_vectors, third_order_words
-from sculler_model.vectors import cross
 
 FVec = tuple[Fraction, ...]
 

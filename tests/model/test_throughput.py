@@ -4,9 +4,8 @@ import itertools
 
 import pytest
 
-from sculler_model.cycles import Dropping, Timing
 from sculler_model.design import Design
-from sculler_model.throughput import clocks_per_major, clocks_per_minor
+from sculler_model.golden import Dropping, Timing, clocks_per_major, clocks_per_minor
 
 
 def counted(n, timing, samples=400):

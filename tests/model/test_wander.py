@@ -10,35 +10,37 @@ import pytest
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
+from sculler_model.frames import (
+    EARTH_RATE,
+    ECCENTRICITY_SQUARED,
+    conjugate,
+    from_euler,
+    gravity,
+    gravity_lean,
+    product,
+    radii,
+    rotate,
+    to_dcm,
+    to_rotation_vector,
+    transport_rate,
+)
 from sculler_model.host import MajorIncrements
 from sculler_model.motion import Curve, Motion, Turn, X, Y, Z, at_rest, turn_motion
 from sculler_model.navigation import (
+    NORMAL,
     GeographicNavigator,
     HeightDamping,
     NavHistory,
     Navigator,
     NavState,
+    earth_at,
+    exact_increments,
+    geographic,
+    increments_in_inertial_space,
+    level,
     navigate,
+    travelled,
 )
-from sculler_model.navigation.earth import (
-    EARTH_RATE,
-    ECCENTRICITY_SQUARED,
-    gravity,
-    gravity_lean,
-    radii,
-    transport_rate,
-)
-from sculler_model.navigation.exact import exact_increments, increments_in_inertial_space
-from sculler_model.navigation.gravity import NORMAL
-from sculler_model.navigation.rotation import (
-    conjugate,
-    from_euler,
-    product,
-    rotate,
-    to_dcm,
-    to_rotation_vector,
-)
-from sculler_model.navigation.wander import earth_at, geographic, level, travelled
 
 Array = NDArray[np.float64]
 Four = tuple[Array, Array, Array, Array]

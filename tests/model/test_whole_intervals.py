@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from host_path import fine_design
-from sculler_model.blocks import VectorBlock
+from sculler_model.design import STATUS_FAULT, STATUS_SHORT_HISTORY
 from sculler_model.errors import InputError
-from sculler_model.fast import run_fast
+from sculler_model.fast import VectorBlock, run_fast
+from sculler_model.frames import radii
 from sculler_model.host import MajorIncrements, ThirdOrder, major_increments, uncorrected
 from sculler_model.navigation import (
     GeographicNavigator,
@@ -21,12 +22,10 @@ from sculler_model.navigation import (
     NavState,
     align,
     align_finely,
+    coasted,
     navigate,
     trajectory,
 )
-from sculler_model.navigation.coasting import coasted
-from sculler_model.navigation.earth import radii
-from sculler_model.vectors import STATUS_FAULT, STATUS_SHORT_HISTORY
 
 START = NavState(0.0, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), radians(48), radians(11), 500.0)
 

@@ -11,10 +11,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from position_designs import HIGH_RESOLUTION, furthest
-from sculler_model.design import Design
+from sculler_model.algorithms import Vec
+from sculler_model.design import (
+    HIGH_RESOLUTION_VECTORS,
+    VECTORS,
+    ZERO_RANGE,
+    Design,
+    Interval,
+    Result,
+    cross_range,
+    range_of_sum,
+)
 from sculler_model.golden import GoldenModel
-from sculler_model.vectors import HIGH_RESOLUTION_VECTORS, VECTORS, Result, Vec
-from sculler_model.wordlength import ZERO, Interval, cross, total
 from strategies import DESIGNS, designs, make_design, random_counts
 
 SMALL = [Interval(lo, hi) for lo in range(-4, 5) for hi in range(lo, 5)]
@@ -63,11 +71,11 @@ class TestInterval:
         few = [i for i in SMALL if i.hi - i.lo in (0, 3) or i.lo == -4]
         for left, right in product(few, few):
             ends = product(*[(left.lo, left.hi)] * 2, *[(right.lo, right.hi)] * 2)
-            assert cross(left, right) == hull(a * d - b * c for a, b, c, d in ends)
+            assert cross_range(left, right) == hull(a * d - b * c for a, b, c, d in ends)
 
     def test_total(self) -> None:
-        assert total([]) == ZERO
-        assert total([Interval(-1, 2), Interval(3, 4), Interval(-9, -9)]) == Interval(-7, -3)
+        assert range_of_sum([]) == ZERO_RANGE
+        assert range_of_sum([Interval(-1, 2), Interval(3, 4), Interval(-9, -9)]) == Interval(-7, -3)
 
     def test_bits_is_the_narrowest_word(self) -> None:
         for lo in range(-20, 21):
@@ -226,7 +234,7 @@ class TestRangesAreReached:
 
     def test_one_minor_interval_has_no_between(self) -> None:
         words = DESIGNS["taylor_7p0"].words
-        assert words.coning_between == words.sculling_between == ZERO
+        assert words.coning_between == words.sculling_between == ZERO_RANGE
 
 
 def test_widths_of_the_default_design_by_hand() -> None:

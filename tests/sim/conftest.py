@@ -8,10 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from sculler_model.design import Design
+from sculler_model.design import AXES, COMPONENTS, VECTORS, Design
 from sculler_model.errors import InputError
-from sculler_model.vectors import AXES, COMPONENTS, VECTORS
-from sculler_sim import cache, verilator_build
+from sculler_sim.engines import cache, verilator_build
 from strategies import DESIGNS
 
 
@@ -69,7 +68,7 @@ def use_verilog(
 
 
 def stub_core(design: Design, body: str) -> str:
-    """A module with the ports of the design's core (contract of `sculler_model.cycles`)."""
+    """A module with the ports of the design's core (contract of `sculler_model.golden`)."""
     words = design.words
     inputs = [(name, 1) for name in ("clk", "rst", "sample_valid", "sample_fault", "result_ready")]
     for sensor in ("gyro", "accel"):

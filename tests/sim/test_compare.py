@@ -2,9 +2,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sculler.formats.comparison import Difference, compare
+from sculler_model.design import COLUMNS, HIGH_RESOLUTION_COLUMNS
 from sculler_model.errors import InputError
-from sculler_model.vectors import COLUMNS, HIGH_RESOLUTION_COLUMNS
-from sculler_sim.compare import Difference, compare
 
 HUGE = 2**200
 

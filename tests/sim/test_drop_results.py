@@ -14,11 +14,11 @@ import pytest
 from bench_files import bench_of, run_bench, shell
 from position_designs import HIGH_RESOLUTION
 from rtl import clocks_of_major, golden
+from sculler.formats.vectors import VectorsWriter, read_vectors
 from sculler_hdl import timing
-from sculler_model.stream import words_per_result
+from sculler_model.golden import words_per_result
 from sculler_sim.engine import simulate, trace
 from sculler_sim.stimulus import Levels, Stimulus
-from sculler_sim.vectors_file import VectorsWriter, read_vectors
 from strategies import DESIGNS, samples_of, with_hardware
 
 pytestmark = pytest.mark.usefixtures("verilator")

@@ -6,10 +6,9 @@ Every design on every core and target: test_pipelined_rtl, test_compact_rtl, tes
 import pytest
 
 from rtl import golden, in_chunks, samples_of, write
+from sculler.formats.comparison import compare
 from sculler_hdl import timing
-from sculler_model.blocks import VectorBlock
-from sculler_model.fast import FastModel, run_fast
-from sculler_sim.compare import compare
+from sculler_model.fast import FastModel, VectorBlock, run_fast
 from sculler_sim.engine import simulate, trace
 from sculler_sim.stimulus import Stimulus
 from strategies import DESIGNS, with_hardware

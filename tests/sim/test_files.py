@@ -1,7 +1,7 @@
 import pytest
 
 from sculler_model.errors import InputError
-from sculler_sim.files import make_folder, replacing
+from sculler_model.outputs import make_folder, replacing
 
 
 def test_the_file_appears_when_the_body_ends_well(tmp_path):

@@ -13,7 +13,7 @@ from amaranth.sim import Simulator
 from bench_files import shell
 from sculler_hdl.lib import losses
 from sculler_hdl.lib.losses import Losses
-from sculler_sim.verilator_build import emitted
+from sculler_sim.engines.verilator_build import emitted
 from strategies import make_design, with_hardware
 
 OVERRUN = """

@@ -7,9 +7,9 @@ was driven.
 import numpy as np
 import pytest
 
-from sculler_model.cycles import Ports, Timing
+from sculler_model.design import COLUMNS
 from sculler_model.errors import InputError
-from sculler_model.vectors import COLUMNS
+from sculler_model.golden import Ports, Timing
 from sculler_sim.engine import simulate, trace
 from sculler_sim.run import Progress, SimulationError, check_chunks
 from sculler_sim.stimulus import Stimulus

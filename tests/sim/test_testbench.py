@@ -11,10 +11,9 @@ from sculler_hdl import generate, timing
 from sculler_hdl.compact.loader import Loader
 from sculler_hdl.lib.losses import Losses, emit_event_counter
 from sculler_hdl.pipelined import core as pipelined_core
-from sculler_model.cycles import Timing
+from sculler_model.design import COLUMNS, STATUS_FAULT, STATUS_LOST, STATUS_RAIL, VECTORS
 from sculler_model.errors import InputError
-from sculler_model.stream import words_per_column, words_per_result
-from sculler_model.vectors import COLUMNS, STATUS_FAULT, STATUS_LOST, STATUS_RAIL, VECTORS
+from sculler_model.golden import Timing, words_per_column, words_per_result
 from sculler_sim.testbench import write_testbench
 from strategies import CORES, DESIGNS, make_design, with_hardware
 

@@ -13,7 +13,7 @@ from bench_files import bench_of, shell
 from position_designs import HIGH_RESOLUTION
 from sculler_hdl import sample_ports, timing
 from sculler_hdl.plan.compact.plan import plan_compact
-from sculler_sim.verilator_build import emitted
+from sculler_sim.engines.verilator_build import emitted
 from strategies import DESIGNS, make_design, with_hardware
 
 pytestmark = pytest.mark.usefixtures("icarus")

@@ -4,11 +4,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from position_designs import HIGH_RESOLUTION
-from sculler_model.blocks import VectorBlock
+from sculler.formats.vectors import VectorsWriter, read_vectors
 from sculler_model.errors import InputError
-from sculler_model.fast import run_fast
+from sculler_model.fast import VectorBlock, run_fast
 from sculler_model.golden import GoldenModel
-from sculler_sim.vectors_file import VectorsWriter, read_vectors
 from strategies import DESIGNS, random_counts
 
 # the header as DESIGN section 4 spells it out

@@ -16,10 +16,10 @@ from bench_files import bench_of, shell
 from position_designs import HIGH_RESOLUTION
 from sculler_hdl import cell_models, generate
 from sculler_model.errors import InputError
+from sculler_sim.engines.verilator_build import emitted
 from sculler_sim.place import netlist, synthesis
 from sculler_sim.place.netlist import check_netlist
 from sculler_sim.place.tools import YOSYS
-from sculler_sim.verilator_build import emitted
 from strategies import DESIGNS, with_hardware
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from sculler_model.errors import InputError
 from sculler_sim.engine import simulate
-from sculler_sim.verilator_build import Tools
+from sculler_sim.engines.verilator_build import Tools
 from strategies import DESIGNS, random_counts
 
 DESIGN = DESIGNS["smallest"]

@@ -13,9 +13,8 @@ import pytest
 
 from extremes import Extreme, bilinear, extreme, linear, minor_sums, reach_of
 from rtl import golden
+from sculler_model.design import COLUMNS, VECTORS, ZERO_RANGE, Interval
 from sculler_model.golden import GoldenModel
-from sculler_model.vectors import COLUMNS, VECTORS
-from sculler_model.wordlength import ZERO, Interval
 from sculler_sim.engine import simulate
 from strategies import CORES, DESIGNS, on_cores, random_counts
 
@@ -128,7 +127,7 @@ def test_the_extreme_of_every_component_is_reached_and_held(verilator, name):
     logs, wanted = [], []
     length = 0
     for vector in VECTORS:
-        if getattr(design.words, vector) == ZERO:
+        if getattr(design.words, vector) == ZERO_RANGE:
             continue
         for axis, sign in ENDS:
             found = solved(name, vector, sign)

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sculler import terminal
-from sculler.vibration_options import SPECTRUM_HELP, mount, mount_options
+from sculler.commands.options.vibration import SPECTRUM_HELP, mount, mount_options
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from sculler_model.advice import Candidate
+    from sculler_model.analysis.advice import Candidate
     from sculler_model.design import Design
 
 NONE_MEETS = 1
@@ -114,7 +114,7 @@ def command(
     bound over all phases (see analyze vibration); under coning it includes the triple products.
     Exit status 1 if nothing meets the requirement.
     """
-    from sculler_model.advice import Environment, Requirement, advise
+    from sculler_model.analysis.advice import Environment, Requirement, advise
     from sculler_model.analysis.vibration import G, Spectrum
     from sculler_model.errors import InputError
 
@@ -245,7 +245,7 @@ def _fails(candidates: list[Candidate], count: int) -> Table:
 
 def _write(path: Path, design: Design) -> None:
     """The design as a file that `sculler` reads."""
-    from sculler_sim.files import replacing
+    from sculler_model.outputs import replacing
 
     data = design.as_json()
     lines = ["# found by sculler advise", f"name = {_toml(data.pop('name'))}"]

@@ -12,8 +12,7 @@ from sculler import terminal
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from sculler_model.coefficients import TapTable
-    from sculler_model.families.catalogue import Made
+    from sculler_model.algorithms import Made, TapTable
 
 
 @click.command(
@@ -48,7 +47,7 @@ def command(
     coning correction A x s[t].  Weights sum the samples to the interval's angle.  The JSON form is
     what the design file's [algorithm.table] reads.
     """
-    from sculler_model.families.catalogue import SENSOR_KINDS
+    from sculler_model.algorithms import SENSOR_KINDS
 
     notes: list[str] = []
     filtered = False
@@ -73,9 +72,8 @@ def command(
 
 
 def _made(family: str, samples: int, history: int) -> Made:
-    from sculler_model.coefficients import MAX_SAMPLES
+    from sculler_model.algorithms import FAMILIES, MAX_SAMPLES, SENSOR_KINDS, TABLES, Recipe, make
     from sculler_model.errors import InputError
-    from sculler_model.families.catalogue import FAMILIES, SENSOR_KINDS, TABLES, Recipe, make
 
     if family in FAMILIES and family not in TABLES:
         raise InputError(
@@ -132,7 +130,7 @@ def _weights(table: TapTable) -> Table:
 
 def _residual(table: TapTable, kind: str) -> str:
     """What coning the table leaves, in a sentence."""
-    from sculler_model.closed_form import leading_term
+    from sculler_model.analysis.closed_form import leading_term
 
     term = leading_term(table, "increment" if kind == "increment" else "rate")
     return (

@@ -21,7 +21,7 @@ def command(first: Path, second: Path, as_json: bool) -> int:
 
     Exit status 0 if they are; else 1, with the first difference: major, column and both values.
     """
-    from sculler_sim.compare import compare
+    from sculler.formats.comparison import compare
 
     difference = compare(first, second)
     data = {"first": str(first), "second": str(second), "identical": difference is None}

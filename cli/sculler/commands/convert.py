@@ -9,17 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sculler import formats, terminal
+from sculler import terminal
+from sculler.readers import registry as formats
 
 if TYPE_CHECKING:
-    from sculler.conversion import Biases, Conversion
-    from sculler.mounting import Mounting
-    from sculler.readers import Advance, Recording, Samples, Unit
+    from sculler.readers.mounting import Mounting
+    from sculler.readers.recording import Advance, Recording, Samples, Unit
     from sculler.readers.running_sums import Differences
     from sculler.readers.timing import Gaps, Steps
+    from sculler.runs.conversion import Biases, Conversion
     from sculler_model.design import Design
-    from sculler_model.navigation.rotation import Vector
-    from sculler_model.sampling import Kind, Resampler
+    from sculler_model.frames import Vector
+    from sculler_model.samples import Kind, Resampler
 
 _GYRO_UNITS = ("rad", "deg", "arcsec", "rad/s", "deg/s", "deg/h", "counts")
 _ACCEL_UNITS = ("m/s", "ft/s", "m/s2", "g", "mg", "counts")
@@ -199,15 +200,15 @@ def command(
     An .npz file has the arrays gyro and accel, (N, 3), or dtheta (rad) and dvel (m/s); and may have
     time, (N,), fault, (N,), and the strings gyro_unit, accel_unit and time_unit.
     """
-    from sculler.conversion import Conversion
-    from sculler.logs import LogWriter
-    from sculler.origin import write_origin
+    from sculler.formats.log import LogWriter
+    from sculler.formats.origin import write_origin
     from sculler.readers import timing_told
     from sculler.readers.preparation import Watch, bounded, differenced, signed, unstamped
     from sculler.readers.timing import Timing, resampled
+    from sculler.runs.conversion import Conversion
     from sculler_model import inputs
     from sculler_model.errors import InputError
-    from sculler_sim.files import replacing
+    from sculler_model.outputs import replacing
 
     design = terminal.load_design(design_name)
     if max_gap is not None and gaps != "bridge":
@@ -256,14 +257,13 @@ def command(
         clock, to_instant = recording.clock, _to_instant(design, given, rates, resampler)
         with LogWriter(temporary, faults=faults, times=clock is not None) as writer:
             for chunk in chunks:
-                times = None
-                if clock is not None and chunk.times is not None:
-                    times = chunk.times + (clock.origin + to_instant)
+                times = None if chunk.times is None else chunk.times + to_instant
+                origin = 0.0 if clock is None else clock.origin
                 try:
                     counts = conversion(chunk.values)
                 except InputError as error:
                     raise InputError("; ".join([str(error), *watch.sums()])) from error
-                writer.write(counts, chunk.faults, times)
+                writer.write(counts, chunk.faults, times, origin)
         if not conversion.samples:
             raise InputError(
                 f"{log}: too few samples to make an increment of (or none from --start to --stop),"
@@ -307,8 +307,8 @@ def _open(
     log: Path, log_format: str, design: Design, advance: Advance, options: dict[str, Any]
 ) -> Recording:
     """The recording, by the reader of its format."""
-    from sculler.readers import ACCEL_UNITS, GYRO_UNITS
     from sculler.readers.format import Request
+    from sculler.readers.recording import ACCEL_UNITS, GYRO_UNITS
 
     reader = formats.find(log_format)
     for name, value in options.items():
@@ -383,7 +383,7 @@ def _vector(
     option: str, text: str | None, log: Path, log_format: str, units: dict[str, float]
 ) -> Vector:
     """A vector option in SI: three numbers with a unit, or the name of a MAT file's variable."""
-    from sculler.mounting import parse_vector
+    from sculler.readers.mounting import parse_vector
 
     if text is None:
         return (0.0, 0.0, 0.0)
@@ -395,16 +395,16 @@ def _vector(
 
 
 def _mounting(log: Path, log_format: str, axes: str | None, misalignment: str | None) -> Mounting:
-    from sculler.mounting import Mounting
-    from sculler.readers import ANGLE_UNITS
+    from sculler.readers.mounting import Mounting
+    from sculler.readers.recording import ANGLE_UNITS
 
     turn = _vector("--misalignment", misalignment, log, log_format, ANGLE_UNITS)
     return Mounting.parse(axes, turn)
 
 
 def _biases(log: Path, log_format: str, gyro: str | None, accel: str | None) -> Biases:
-    from sculler.conversion import Biases
-    from sculler.readers import ACCEL_BIAS_UNITS, GYRO_BIAS_UNITS
+    from sculler.readers.recording import ACCEL_BIAS_UNITS, GYRO_BIAS_UNITS
+    from sculler.runs.conversion import Biases
 
     return Biases(
         _vector("--gyro-bias", gyro, log, log_format, GYRO_BIAS_UNITS),
@@ -433,7 +433,7 @@ def _kind(design: Design, recording: Recording, rates: str, steps: str) -> Kind:
 
 def _resampler(design: Design, given: Kind, rates: str, steps: str) -> Resampler | None:
     """What brings the samples to the increments or rates of the design; None if they are."""
-    from sculler_model.sampling import Resampler
+    from sculler_model.samples import Resampler
 
     wanted = design.sensor.kind
     if steps == "resample" or (given == "rate" and wanted == "increment"):
@@ -452,7 +452,7 @@ def _to_instant(design: Design, given: Kind, rates: str, resampler: Resampler | 
 
 def _unit(design: Design, unit: Unit, given: Kind, resampler: Resampler | None) -> Unit:
     """The unit of the values as they come to the conversion."""
-    from sculler.readers import Unit
+    from sculler.readers.recording import Unit
 
     if resampler is None:
         return unit
@@ -470,7 +470,7 @@ def _summary(
     recording: Recording,
     conversion: Conversion,
 ) -> dict[str, Any]:
-    from sculler.logs import COUNTS
+    from sculler.formats.log import COUNTS
 
     bits = {"gyro": design.sensor.gyro.bits, "accel": design.sensor.accel.bits}
     lsb = {"gyro": design.sensor.gyro.lsb, "accel": design.sensor.accel.lsb}

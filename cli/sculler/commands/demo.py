@@ -18,11 +18,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from rich.table import Table
 
-    from sculler.runs import SimulationEngine
+    from sculler.runs.counts import SimulationEngine
     from sculler_model.design import Design
     from sculler_model.motion import Motion
-    from sculler_model.navigation import NavHistory
-    from sculler_model.navigation_errors import NavErrors
+    from sculler_model.navigation import NavErrors, NavHistory
 
     Array = NDArray[np.float64]
 
@@ -62,20 +61,19 @@ def command(folder: Path, seconds: float, plots: bool, as_json: bool) -> int:
     import numpy as np
 
     from sculler.commands.generate import write_hardware
-    from sculler.history import HistoryWriter
-    from sculler.plots import left_out as pictures_left_out
-    from sculler.runs import model_log, simulate_log
-    from sculler_model.blocks import VectorBlock
+    from sculler.formats.comparison import compare
+    from sculler.formats.history import HistoryWriter
+    from sculler.formats.vectors import read_vectors
+    from sculler.plots.pictures import left_out as pictures_left_out
+    from sculler.runs.counts import model_log, simulate_log
     from sculler_model.design import Design
+    from sculler_model.fast import VectorBlock
     from sculler_model.host import major_increments, uncorrected
     from sculler_model.motion import demo_motion
-    from sculler_model.navigation import navigate
-    from sculler_model.navigation_errors import navigation_errors
-    from sculler_sim.compare import compare
-    from sculler_sim.files import make_folder, replacing
+    from sculler_model.navigation import navigate, navigation_errors
+    from sculler_model.outputs import make_folder, replacing
+    from sculler_sim.engines.verilator_build import build
     from sculler_sim.stimulus import Stimulus
-    from sculler_sim.vectors_file import read_vectors
-    from sculler_sim.verilator_build import build
 
     left_out = []
     if plots and (no_pictures := pictures_left_out()) is not None:
@@ -175,9 +173,9 @@ class _Steps:
 
 
 def _write_log(path: Path, design: Design, motion: Motion, samples: int) -> None:
-    from sculler.logs import LogWriter
-    from sculler_model.quantise import Quantiser
-    from sculler_sim.files import replacing
+    from sculler.formats.log import LogWriter
+    from sculler_model.outputs import replacing
+    from sculler_model.samples import Quantiser
 
     quantise = Quantiser(design)
     chunks = motion.chunks(design.sensor.kind, samples, design.sample_interval)
@@ -190,7 +188,7 @@ def _sizes(errors: NavErrors) -> tuple[Array, Array, Array]:
     """Sizes of the attitude (arcsec), velocity (m/s) and position (m) errors, (N,) each."""
     import numpy as np
 
-    from sculler.against_truth import ARCSEC
+    from sculler.runs.against_truth import ARCSEC
 
     attitude, velocity, position = (
         np.linalg.norm(table, axis=1)
@@ -215,9 +213,9 @@ def _pictures(
     """Errors over time, tracks, and what the algorithm leaves of coning at other frequencies."""
     import numpy as np
 
-    from sculler import plots
-    from sculler_model.closed_form import drift_rate, uncorrected_rate
-    from sculler_model.coefficients import frequency_taylor
+    from sculler.plots import pictures as plots
+    from sculler_model.algorithms import frequency_taylor
+    from sculler_model.analysis.closed_form import drift_rate, uncorrected_rate
 
     paths = [folder / name for name in ("errors.png", "track.png", "coning.png")]
     plots.error_picture(paths[0], truth.time, errors)
@@ -280,7 +278,7 @@ def _where(data: dict[str, Any]) -> str:
 
 def _write_notes(folder: Path, data: dict[str, Any], design: Design) -> None:
     """summary.json, and a README of the folder."""
-    from sculler_sim.files import replacing
+    from sculler_model.outputs import replacing
 
     good, bad = (data["errors_at_end"][name] for name in (CORRECTED, UNCORRECTED))
     lines = [

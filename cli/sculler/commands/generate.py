@@ -77,7 +77,7 @@ def write_hardware(design: Design, folder: Path) -> list[Path]:
         InputError: the folder cannot be made or written to.
     """
     from sculler_hdl import generate, timing
-    from sculler_sim.files import gathering
+    from sculler_model.outputs import gathering
     from sculler_sim.testbench import write_testbench
 
     generated = generate(design)

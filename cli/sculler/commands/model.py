@@ -10,8 +10,8 @@ import click
 from sculler import terminal
 
 if TYPE_CHECKING:
-    from sculler.breaks import Policy
-    from sculler.runs import ModelEngine
+    from sculler.checks.breaks import Policy
+    from sculler.runs.counts import ModelEngine
 
 
 @click.command(
@@ -38,8 +38,8 @@ def command(
     Writes the vectors: one row of exact integers for each complete major interval.  A log with a
     column time_s (stamps, s) or sequence (a sample counter) is checked for missing samples.
     """
-    from sculler.origin import write_origin
-    from sculler.runs import model_log
+    from sculler.formats.origin import write_origin
+    from sculler.runs.counts import model_log
 
     design = terminal.load_design(design_name)
     with terminal.progress("modelling", terminal.file_size(log)) as advance:

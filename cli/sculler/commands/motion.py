@@ -201,7 +201,7 @@ def command(
     **given: float | None,
 ) -> None:
     """Write the IMU log of a known motion, and its truth."""
-    from sculler.origin import write_origin
+    from sculler.formats.origin import write_origin
     from sculler_model.errors import InputError
     from sculler_model.motion import MOTIONS
 
@@ -289,12 +289,11 @@ def _write(
     """Both files, each whole or not at all; largest count as a share of full scale, and rows."""
     import numpy as np
 
-    from sculler.history import HistoryWriter
-    from sculler.logs import LogWriter
-    from sculler_model.instants import end_after_stamp, interval_end, stamp
-    from sculler_model.motion.sampling import CHUNK
-    from sculler_model.quantise import Quantiser
-    from sculler_sim.files import replacing
+    from sculler.formats.history import HistoryWriter
+    from sculler.formats.log import LogWriter
+    from sculler_model.motion import CHUNK
+    from sculler_model.outputs import replacing
+    from sculler_model.samples import Quantiser, end_after_stamp, interval_end, stamp
 
     quantise = Quantiser(design)
     begin = interval_end(design, -1)

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sculler import navigation_options, terminal
+from sculler import terminal
+from sculler.commands.options import navigation as navigation_options
 
 if TYPE_CHECKING:
-    from sculler.navigation_run import Given
-    from sculler_model.blocks import VectorBlock
+    from sculler.runs.navigation import Given
     from sculler_model.design import Design
+    from sculler_model.fast import VectorBlock
     from sculler_model.navigation import Alignment, FineAlignment, Gravity, Mechanisation, NavState
 
 _ANGLES = ("roll", "pitch", "heading")
@@ -195,12 +196,13 @@ def command(
     one of the two has is left out, and said.  A truth may tell attitude, velocity or position
     alone; what it does not tell of the initial state comes from the options.
     """
-    from sculler.against_truth import AgainstTruth, table
-    from sculler.history import HistoryWriter, Thinned
-    from sculler.navigation_run import STATUSES, NavigationRun, Plan
-    from sculler_model.navigation import AxisMap, NavHistory
-    from sculler_sim.files import replacing
-    from sculler_sim.vectors_file import read_vectors
+    from sculler.formats.history import HistoryWriter, Thinned
+    from sculler.formats.vectors import read_vectors
+    from sculler.runs.against_truth import AgainstTruth, table
+    from sculler.runs.navigation import STATUSES, NavigationRun, Plan
+    from sculler_model.frames import AxisMap
+    from sculler_model.navigation import NavHistory
+    from sculler_model.outputs import replacing
 
     design = terminal.load_design(design_name)
     axis_map = AxisMap.parse(axes)
@@ -292,13 +294,13 @@ def command(
     if reference is not None:
         data["errors"] = reference.summary()
     if plots:
-        from sculler.plots import navigation_pictures
+        from sculler.plots.pictures import navigation_pictures
 
         found = seen.fine or seen.alignment
         euler = None if found is None else [degrees(sigma) for sigma in found.euler_sigma]
         pictures = navigation_pictures(shown.history(), output, euler)
         if reference is not None and data["errors"]["instants"] > 1:
-            from sculler.plots_truth import truth_pictures
+            from sculler.plots.truth import truth_pictures
 
             sigma = None if found is None else found.sigma
             pictures += truth_pictures(*reference.shown(), reference.growth, output, sigma)
@@ -322,8 +324,8 @@ def _advancing(blocks: Iterable[VectorBlock], advance: terminal.Advance) -> Iter
 
 def _claim_pictures(output: Path, truth: Path | None) -> str | None:
     """Set the pictures' files aside; or why there will be none, in a line."""
-    from sculler.plots import left_out, navigation_picture_paths
-    from sculler.plots_truth import truth_picture_paths
+    from sculler.plots.pictures import left_out, navigation_picture_paths
+    from sculler.plots.truth import truth_picture_paths
     from sculler_model import inputs
 
     reason = left_out()
@@ -348,7 +350,7 @@ def _rows(vectors: str) -> int | None:
 
 def _write_report(page: Path, design: Design, data: dict[str, Any], files: dict[str, str]) -> None:
     """The run as one page."""
-    from sculler.origin import chain, settings
+    from sculler.formats.origin import chain, settings
     from sculler.report import write_report
 
     pictures = [Path(path) for path in data.get("plots", [])]
@@ -362,7 +364,7 @@ def _given(
     lat: float | None, lon: float | None, height: float | None, initial: dict[str, float | None]
 ) -> Given:
     """The initial state as the options tell it, in degrees, as far as they do."""
-    from sculler.navigation_run import Given
+    from sculler.runs.navigation import Given
 
     def inside(value: float | None) -> float | None:
         return None if value is None else radians(value)
@@ -421,8 +423,7 @@ def _summary(
     alignment: Alignment | None,
 ) -> dict[str, Any]:
     """Where it went, as plain data."""
-    from sculler_model.navigation.earth import radii
-    from sculler_model.navigation.rotation import to_euler
+    from sculler_model.frames import radii, to_euler
 
     meridian, prime_vertical = radii(sin(start.lat))
     north = (end.lat - start.lat) * (meridian + start.h)
@@ -473,7 +474,7 @@ _POSITION = {
 
 
 def _facts(data: dict[str, Any]) -> dict[str, str]:
-    from sculler import against_truth
+    from sculler.runs import against_truth
 
     rows = {}
     if "alignment" in data:

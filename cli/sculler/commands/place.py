@@ -151,7 +151,7 @@ def write(folder: Path, placer: Placer, report: str) -> None:
     Raises:
         InputError: the folder cannot be made or written to.
     """
-    from sculler_sim.files import gathering
+    from sculler_model.outputs import gathering
 
     synthesis = placer.synthesis
     texts = {

@@ -10,8 +10,8 @@ import click
 from sculler import terminal
 
 if TYPE_CHECKING:
-    from sculler.breaks import Policy
-    from sculler.runs import SimulationEngine
+    from sculler.checks.breaks import Policy
+    from sculler.runs.counts import SimulationEngine
 
 
 @click.command(
@@ -60,8 +60,8 @@ def command(
     Writes the vectors that the core hands over, for `sculler compare` with those of `sculler
     model`.
     """
-    from sculler.origin import write_origin
-    from sculler.runs import simulate_log
+    from sculler.formats.origin import write_origin
+    from sculler.runs.counts import simulate_log
     from sculler_sim.stimulus import Stimulus
 
     design = terminal.load_design(design_name)

@@ -23,13 +23,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.logs import COUNTS, FAULT
-from sculler.readers import Clock, Recording, Samples, require_finite
+from sculler.formats.log import COUNTS, FAULT
 from sculler.readers.apart import Shape
 from sculler.readers.columns import headed, recognise
 from sculler.readers.delimited import fault_flags
 from sculler.readers.format import COLUMNS, Format, Request, begins
 from sculler.readers.named import exact, read_named
+from sculler.readers.recording import Clock, Recording, Samples, require_finite
 from sculler.readers.signatures import is_npz
 from sculler_model.errors import InputError
 

@@ -15,10 +15,10 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.logs import COUNTS, FAULT
-from sculler.readers import Clock, Recording, Samples
+from sculler.formats.log import COUNTS, FAULT
 from sculler.readers.columns import headed, recognise, stamp_unit
 from sculler.readers.format import COLUMNS, TIME, UNITS, Format, Request
+from sculler.readers.recording import Clock, Recording, Samples
 from sculler.readers.text import COMMENT, Column, Rows, is_content, number_rows, open_text
 from sculler_model.errors import InputError
 
@@ -54,6 +54,7 @@ def read_delimited(path: Path, request: Request, program: str | None) -> Recordi
     if header.decimal == ",":
         notes["numbers"] = "have a decimal comma"
     whole = header.stamps if clock is not None and clock.unit == "ns" else []
+    exact = header.stamps[0] if header.stamps and not whole else None
 
     def chunks() -> Iterator[Samples]:
         with open_text(path) as file:
@@ -69,6 +70,7 @@ def read_delimited(path: Path, request: Request, program: str | None) -> Recordi
                 request.advance,
                 whole,
                 header.decimal,
+                exact,
             ):
                 faults = None
                 if header.faults:
@@ -103,10 +105,10 @@ def fault_flags(path: Path, values: NDArray[np.float64]) -> NDArray[np.uint8]:
     return values.astype(np.uint8)
 
 
-def _stamps(rows: Rows) -> NDArray[np.int64] | NDArray[np.float64]:
-    """The stamps, from a column of numbers, or from one or two of whole numbers."""
+def _stamps(rows: Rows) -> NDArray[np.int64] | NDArray[np.str_]:
+    """The stamps, from a column of decimals, or from one or two of whole numbers."""
     if not rows.whole.shape[1]:
-        return rows.values[:, len(COUNTS)]
+        return rows.texts
     if rows.whole.shape[1] == 1:
         return rows.whole[:, 0]
     return rows.whole[:, 0] * 10**9 + rows.whole[:, 1]

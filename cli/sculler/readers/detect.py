@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import islice
 from pathlib import Path
 
-from sculler import formats
+from sculler.readers import registry as formats
 from sculler.readers.columns import recognise
 from sculler.readers.delimited import delimiter_given, delimiter_of, header_cells
 from sculler.readers.format import Head

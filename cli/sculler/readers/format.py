@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from sculler.readers import ACCEL_UNITS, GYRO_UNITS, Advance, Recording, Unit
 from sculler.readers.columns import split_sign
+from sculler.readers.recording import ACCEL_UNITS, GYRO_UNITS, Advance, Recording, Unit
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from sculler.logs import COUNTS
-from sculler.readers import Clock, Recording, Samples
+from sculler.formats.log import COUNTS
 from sculler.readers.format import UNITS, Format, Head, Request
+from sculler.readers.recording import Clock, Recording, Samples
 from sculler.readers.text import Column, number_rows, open_text
 from sculler_model.errors import InputError
 
@@ -42,8 +42,10 @@ def read_kfgins(path: Path, request: Request) -> Recording:
     def chunks() -> Iterator[Samples]:
         columns = [Column(name, at) for at, name in enumerate(COLUMNS)]
         with open_text(path) as file:
-            for rows in number_rows(file, path, 1, columns, None, request.advance):
-                yield Samples(rows.values[:, 1:], times=clock(rows.values[:, 0]))
+            for rows in number_rows(
+                file, path, 1, columns, None, request.advance, exact=columns[0]
+            ):
+                yield Samples(rows.values[:, 1:], times=clock(rows.texts))
 
     return Recording(*units, chunks(), clock=clock, notes=_NOTES)
 

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.readers import Recording
 from sculler.readers.apart import open_arrays, told
 from sculler.readers.format import COLUMNS, Format, Request, begins
 from sculler.readers.named import read_named
+from sculler.readers.recording import Recording
 from sculler_model.errors import InputError
 
 _SMALL = 64  # elements of what may be a vector of biases

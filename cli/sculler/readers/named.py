@@ -14,8 +14,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.logs import COUNTS, FAULT
-from sculler.readers import (
+from sculler.formats.log import COUNTS, FAULT
+from sculler.readers.apart import Shape, told
+from sculler.readers.delimited import fault_flags
+from sculler.readers.format import Request, scaled
+from sculler.readers.recording import (
     ACCEL_UNITS,
     GYRO_UNITS,
     TIME_UNITS,
@@ -25,9 +28,6 @@ from sculler.readers import (
     Unit,
     require_finite,
 )
-from sculler.readers.apart import Shape, told
-from sculler.readers.delimited import fault_flags
-from sculler.readers.format import Request, scaled
 from sculler_model.errors import InputError
 
 GYRO_NAMES = (

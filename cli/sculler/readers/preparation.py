@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.conversion import si_of_unit
-from sculler.logs import COUNTS
-from sculler.readers import Recording, Samples
+from sculler.formats.log import COUNTS
+from sculler.readers.recording import Recording, Samples
 from sculler.readers.running_sums import Differences, SumsSuspicion
+from sculler.runs.conversion import si_of_unit
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.navigation.earth import STANDARD_GRAVITY
-from sculler_model.plausibility import Plausibility, told
+from sculler_model.frames import STANDARD_GRAVITY
+from sculler_model.samples import Plausibility, told
 
 LARGEST, LONGEST = 1e30, 1e12
 """What no sensor gives in any unit, and no recording lasts (s): bytes of something else."""

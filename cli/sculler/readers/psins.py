@@ -13,9 +13,9 @@ from math import isclose, pi
 from pathlib import Path
 from typing import TextIO
 
-from sculler.logs import COUNTS
-from sculler.readers import Recording, Samples, Unit
+from sculler.formats.log import COUNTS
 from sculler.readers.format import Format, Request, begins
+from sculler.readers.recording import Recording, Samples, Unit
 from sculler.readers.text import Column, number_rows, open_text
 from sculler_model.errors import InputError
 

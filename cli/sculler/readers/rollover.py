@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.readers import TIME_UNITS
+from sculler.readers.recording import TIME_UNITS
 
 _WEEK, _DAY = 604800.0, 86400.0  # s
 _SLACK = 1.0  # s: a gap may lie where time goes back, but no longer than this

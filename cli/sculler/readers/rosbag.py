@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from sculler.logs import COUNTS
-from sculler.readers import Clock, Recording, Samples, require_finite
+from sculler.formats.log import COUNTS
 from sculler.readers.format import UNITS, Format, Request, begins
+from sculler.readers.recording import Clock, Recording, Samples, require_finite
 from sculler_model.errors import InputError
 
 _IMU = "sensor_msgs/msg/Imu"

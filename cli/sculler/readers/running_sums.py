@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.logs import COUNTS
-from sculler.readers import Samples
+from sculler.formats.log import COUNTS
+from sculler.readers.recording import Samples
 from sculler_model.errors import InputError
 
 Array = NDArray[np.float64]

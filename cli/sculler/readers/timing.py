@@ -11,12 +11,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.readers import Recording, Samples
+from sculler.checks.stamps import Shift, ShiftFinder, wrong_rate
+from sculler.readers.recording import Recording, Samples
 from sculler.readers.rollover import Rollover, Unwrapper
-from sculler.stamps import Shift, ShiftFinder, wrong_rate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.sampling import Kind, Resampler
+from sculler_model.samples import Kind, Resampler
 
 Gaps = Literal["refuse", "bridge", "ignore"]
 Steps = Literal["even", "resample"]
@@ -92,9 +92,9 @@ class TimingReport:
 class Timing:
     """Checks the stamps of consecutive samples, and bridges gaps.
 
-    A gap is a lasting shift of the stamps (`sculler.stamps`); what evens out is jitter.  With even
-    steps a stamp that is more than three quarters of an interval from its place is passed over, and
-    the place taken.
+    A gap is a lasting shift of the stamps (`sculler.checks.stamps`); what evens out is jitter.
+    With even steps a stamp that is more than three quarters of an interval from its place is passed
+    over, and the place taken.
 
     A bridge has a sample for every one that is missing, its values on the straight line from the
     last sample before the gap to the first after it, and `fault` set.  For rates this is the linear

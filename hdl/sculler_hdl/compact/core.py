@@ -18,18 +18,17 @@ from sculler_hdl.lib.layout import core_members
 from sculler_hdl.lib.losses import Losses, emit_event_counter
 from sculler_hdl.plan.compact.digits import OPERAND
 from sculler_hdl.plan.compact.plan import plan_compact
-from sculler_model.design import Design
-from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import AXES
+from sculler_model.design import AXES, Design
+from sculler_model.golden import WORD_BITS
 
 
 class CompactCore(wiring.Component):
     """Coning and sculling accumulators of one design, exact in every bit.
 
-    Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.cycles`):
+    Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.golden`):
         sample_valid, sample_ready; sample_gyro_x..z, sample_accel_x..z (signed counts),
         sample_fault.
-        result_valid, result_ready, result_data, result_last: the words of `sculler_model.stream`.
+        result_valid, result_ready, result_data, result_last: the words of `sculler_model.golden`.
         samples_lost, and results_dropped where the design drops results.
 
     Args:

@@ -21,8 +21,8 @@ from sculler_hdl.lib.delay import ControlDelay
 from sculler_hdl.plan.compact.digits import OPERAND
 from sculler_hdl.plan.compact.instructions import When
 from sculler_hdl.plan.compact.plan import CompactPlan
-from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
-from sculler_model.vectors import STATUS_BITS, STATUS_LOST, STATUS_RAIL
+from sculler_model.design import STATUS_BITS, STATUS_LOST, STATUS_RAIL
+from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
 
 BITS = OPERAND.bits
 STATUS = range(STATUS_BITS)

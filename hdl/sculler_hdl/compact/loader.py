@@ -10,7 +10,7 @@ from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.plan.compact.digits import OPERAND, digit_count
 from sculler_hdl.plan.compact.plan import CompactPlan
-from sculler_model.stream import WORD_BITS
+from sculler_model.golden import WORD_BITS
 
 
 class Loader(wiring.Component):

@@ -7,7 +7,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.plan.compact.plan import CompactPlan
-from sculler_model.stream import words_per_result
+from sculler_model.golden import words_per_result
 
 
 class Reader(wiring.Component):

@@ -7,10 +7,14 @@ from importlib.metadata import version
 from typing import Any
 
 from sculler_hdl.plan.ports import Port, clock_ports, core_ports
-from sculler_model.cycles import Timing
 from sculler_model.design import Design
-from sculler_model.stream import WORD_BITS, words_per_column
-from sculler_model.throughput import clocks_per_major, clocks_per_minor
+from sculler_model.golden import (
+    WORD_BITS,
+    Timing,
+    clocks_per_major,
+    clocks_per_minor,
+    words_per_column,
+)
 
 
 @dataclass(frozen=True)
@@ -20,7 +24,7 @@ class Manifest:
     Attributes:
         design: the design.
         ports: every port of the Verilog module, in order.
-        timing: its clocks, as the handshake contract (`sculler_model.cycles`) has them.
+        timing: its clocks, as the handshake contract (`sculler_model.golden`) has them.
         latency_clocks: from an interval's last sample to `result_valid`.
         clocks_per_minor, clocks_per_major: in the long run, at the fastest.
         multipliers: multiplier blocks.

@@ -25,10 +25,9 @@ from sculler_hdl.export.manifest import Manifest, make_manifest, module_ports
 from sculler_hdl.export.rtlil_widths import equal_widths
 from sculler_hdl.plan.ports import Port
 from sculler_hdl.targets import cell_models
-from sculler_model.cycles import Timing
 from sculler_model.design import Design
 from sculler_model.errors import ToolError
-from sculler_model.throughput import clocks_per_minor
+from sculler_model.golden import Timing, clocks_per_minor
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.plan.ports import Port, core_ports
-from sculler_model.design import Design
-from sculler_model.wordlength import Interval
+from sculler_model.design import Design, Interval
 
 
 def vector(interval: Interval) -> data.ArrayLayout:

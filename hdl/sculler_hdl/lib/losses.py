@@ -4,7 +4,7 @@ from amaranth import Module, Signal, Value, unsigned
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_model.cycles import COUNTER_BITS
+from sculler_model.golden import COUNTER_BITS
 
 
 def emit_event_counter(m: Module, event: Value, name: str) -> Value:
@@ -25,7 +25,7 @@ def emit_event_counter(m: Module, event: Value, name: str) -> Value:
 
 
 class Losses(wiring.Component):
-    """Sees samples whose offer is withdrawn before they are taken (`sculler_model.cycles`).
+    """Sees samples whose offer is withdrawn before they are taken (`sculler_model.golden`).
 
     Members:
         sample_valid, sample_ready (in): the sample port's handshake.

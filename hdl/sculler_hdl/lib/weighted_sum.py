@@ -10,7 +10,7 @@ from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
 from sculler_hdl.lib.layout import is_one_of, vector
 from sculler_hdl.plan.arrival import later
 from sculler_hdl.plan.weighted_sum import Gate, WeightedSumPlan
-from sculler_model.vectors import AXES
+from sculler_model.design import AXES
 
 
 class WeightedSum(wiring.Component):

@@ -17,7 +17,7 @@ from sculler_hdl.plan.transfer import (
     TransferPlan,
     origin_of,
 )
-from sculler_model.vectors import STATUS_BITS, STATUS_RAIL
+from sculler_model.design import STATUS_BITS, STATUS_RAIL
 
 RAIL = STATUS_RAIL.bit_length() - 1
 """Number of the status bit that comes after the others."""

@@ -25,18 +25,17 @@ from sculler_hdl.pipelined.stream import StreamHandOver
 from sculler_hdl.plan.arrival import at_once
 from sculler_hdl.plan.pipelined import plan_pipelined
 from sculler_hdl.plan.schedule import STATUS_CLOCK
-from sculler_model.design import Design
-from sculler_model.vectors import AXES
+from sculler_model.design import AXES, Design
 
 
 class PipelinedCore(wiring.Component):
     """Coning and sculling accumulators of one design, exact in every bit.
 
-    Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.cycles`):
+    Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.golden`):
         sample_valid, sample_ready; sample_gyro_x..z, sample_accel_x..z (signed counts),
         sample_fault.
         result_valid, result_ready; result_major (unsigned), result_status (4 bits), and
-        result_NAME for each of `sculler_model.vectors.COMPONENTS`, signed, worst-case wide; or
+        result_NAME for each of `sculler_model.design.COMPONENTS`, signed, worst-case wide; or
         result_data, result_last, the stream of words.
         samples_lost, and results_dropped where the design drops results.
 

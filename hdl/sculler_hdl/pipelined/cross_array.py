@@ -12,7 +12,7 @@ from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
 from sculler_hdl.lib.multiplier import emit_multiplier
 from sculler_hdl.plan.arrival import lowest, spans
 from sculler_hdl.plan.cross_array import CrossArrayPlan
-from sculler_model.vectors import AXES
+from sculler_model.design import AXES
 
 
 class CrossArray(wiring.Component):

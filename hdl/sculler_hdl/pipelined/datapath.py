@@ -33,7 +33,7 @@ from sculler_hdl.plan.arrival import at_once
 from sculler_hdl.plan.running_sum import RunningSumPlan
 from sculler_hdl.plan.schedule import MINOR_CLOCK, POSITION_CLOCK, TAP_CLOCK, Schedule
 from sculler_hdl.plan.weighted_sum import WeightedSumPlan
-from sculler_model.vectors import AXES, HIGH_RESOLUTION_VECTORS
+from sculler_model.design import AXES, HIGH_RESOLUTION_VECTORS
 
 INVERTED = {"gyro": False, "accel": True, "between": False, "within": True}
 """How the flags of a sensor's parts, of an array are held: they stay apart (`ControlDelay`)."""

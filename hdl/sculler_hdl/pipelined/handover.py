@@ -10,8 +10,8 @@ from sculler_hdl.lib.layout import vector
 from sculler_hdl.lib.losses import emit_event_counter
 from sculler_hdl.pipelined.collector import Collector, Piece, Transfer, emit_counter
 from sculler_hdl.plan.transfer import LIMB, HandOverPlan
-from sculler_model.cycles import COUNTER_BITS, PORT_MAJOR_BITS
-from sculler_model.vectors import STATUS_BITS
+from sculler_model.design import STATUS_BITS
+from sculler_model.golden import COUNTER_BITS, PORT_MAJOR_BITS
 
 
 def result_layout(plan: HandOverPlan) -> data.StructLayout:

@@ -20,7 +20,7 @@ from sculler_hdl.pipelined.cross_array import CrossArray
 from sculler_hdl.pipelined.lookahead import LookaheadAxis
 from sculler_hdl.plan.arrival import at_once
 from sculler_hdl.plan.position import PositionPlan
-from sculler_model.vectors import AXES
+from sculler_model.design import AXES
 
 
 class Position(wiring.Component):

@@ -7,7 +7,7 @@ from amaranth import Module, Signal, Value
 from sculler_hdl.lib.delay import SkewedSignal
 from sculler_hdl.plan.arrival import at_once
 from sculler_hdl.plan.schedule import MINOR_CLOCK, TAP_CLOCK
-from sculler_model.vectors import AXES
+from sculler_model.design import AXES
 
 Counts = dict[str, list[SkewedSignal]]
 """The three counts of each sensor."""

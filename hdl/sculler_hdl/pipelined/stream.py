@@ -10,13 +10,12 @@ from sculler_hdl.lib.losses import emit_event_counter
 from sculler_hdl.pipelined.collector import Collector, Piece, Transfer, emit_counter
 from sculler_hdl.pipelined.handover import result_layout
 from sculler_hdl.plan.transfer import HandOverPlan
-from sculler_model.cycles import COUNTER_BITS
-from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import AXES, STATUS_BITS, columns_of
+from sculler_model.design import AXES, STATUS_BITS, columns_of
+from sculler_model.golden import COUNTER_BITS, WORD_BITS
 
 
 class StreamHandOver(wiring.Component):
-    """Hands a result over word by word (`sculler_model.stream`) while the next interval runs.
+    """Hands a result over word by word (`sculler_model.golden`) while the next interval runs.
 
     The bits of a result are put in their places in a shift register as they come by.  The
     sequencer sees to it that no bit of the next result comes before the last word is taken.

@@ -1,7 +1,7 @@
 """What an `Accumulator` is built of."""
 
 from sculler_hdl.plan.arrival import Arrival, Limbs, by_limbs, first_limb_clock
-from sculler_model.wordlength import Interval
+from sculler_model.design import Interval
 
 
 class AccumulatorPlan:

@@ -17,7 +17,7 @@ from sculler_hdl.plan.arrival import (
     lowest,
     width,
 )
-from sculler_model.wordlength import ZERO, Interval
+from sculler_model.design import ZERO_RANGE, Interval
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,11 @@ class AdderTreePlan:
     """
 
     def __init__(
-        self, addends: Sequence[Addend], result: Interval, limb: Limbs, number: Interval = ZERO
+        self,
+        addends: Sequence[Addend],
+        result: Interval,
+        limb: Limbs,
+        number: Interval = ZERO_RANGE,
     ) -> None:
         self.addends = list(addends)
         self.number = number

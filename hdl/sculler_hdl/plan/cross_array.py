@@ -16,8 +16,7 @@ from sculler_hdl.plan.adder_tree import AdderTreePlan
 from sculler_hdl.plan.arrival import Arrival, Limbs, last_clock, later, lowest, spans
 from sculler_hdl.plan.multiplier import MultiplierPlan
 from sculler_hdl.targets import Target
-from sculler_model.vectors import AXES
-from sculler_model.wordlength import ZERO, Interval
+from sculler_model.design import AXES, ZERO_RANGE, Interval
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +168,7 @@ class CrossArrayPlan:
 
     def _plan_total(self, name: str, total: Interval, widest: Interval) -> None:
         """What a step adds up for a total, and the accumulator behind."""
-        addends, item = [], ZERO
+        addends, item = [], ZERO_RANGE
         for pair in self.pairs_of(name):
             multiplier = self.multipliers[pair]
             one = multiplier.left * multiplier.right

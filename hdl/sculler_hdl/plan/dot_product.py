@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from sculler_hdl.plan.adder_tree import Addend, AdderTreePlan
 from sculler_hdl.plan.arrival import Limbs
-from sculler_model.wordlength import ZERO, Interval
+from sculler_model.design import ZERO_RANGE, Interval
 
 Weights = Mapping[str, int]
 """Constant integers, by the names of the words that they multiply."""
@@ -51,7 +51,7 @@ class DotProductPlan:
     ) -> None:
         digits = [(name, *digit) for name, w in weights.items() for digit in signed_digits(w)]
         if result is None:
-            result = sum((words[name].range.scaled(w) for name, w in weights.items()), ZERO)
+            result = sum((words[name].range.scaled(w) for name, w in weights.items()), ZERO_RANGE)
         self.names = [name for name, _, _ in digits]
         self.tree = AdderTreePlan(
             [

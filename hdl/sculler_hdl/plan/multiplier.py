@@ -17,7 +17,7 @@ from itertools import product
 from sculler_hdl.plan.adder_tree import Addend
 from sculler_hdl.plan.arrival import Arrival, at_once, last_clock, spans
 from sculler_hdl.targets import Target
-from sculler_model.wordlength import ZERO, Interval
+from sculler_model.design import ZERO_RANGE, Interval
 
 BLOCK_LATENCY = 3
 """Clocks of one multiplier block: registers before, inside and behind the multiplier."""
@@ -142,8 +142,8 @@ class MultiplierPlan:
             found.append(Addend(span, at_once(span.bits, clock), a[0] + b[0]))
         for bit in range(left.residue):
             arrival = _row_arrival(self.left_arrival, bit, self.right_arrival, 0)
-            found.append(Addend(self.right | ZERO, arrival, bit))
-        upper = Interval(self.left.lo >> left.residue, self.left.hi >> left.residue) | ZERO
+            found.append(Addend(self.right | ZERO_RANGE, arrival, bit))
+        upper = Interval(self.left.lo >> left.residue, self.left.hi >> left.residue) | ZERO_RANGE
         for bit in range(right.residue):
             arrival = _row_arrival(self.right_arrival, bit, self.left_arrival, left.residue)
             found.append(Addend(upper, arrival, left.residue + bit))
@@ -172,4 +172,4 @@ def _piece(operand: Interval, lo: int, hi: int) -> Interval:
     """Range of an operand's piece: the top one is signed, the others are not."""
     if hi < operand.bits:
         return Interval(0, (1 << (hi - lo)) - 1)
-    return Interval(operand.lo >> lo, operand.hi >> lo) | ZERO
+    return Interval(operand.lo >> lo, operand.hi >> lo) | ZERO_RANGE

@@ -18,10 +18,9 @@ from sculler_hdl.plan.cross_array import FOLDINGS
 from sculler_hdl.plan.multiplier import RESIDUE_BITS
 from sculler_hdl.plan.schedule import AdderTiming, Configuration, Schedule, launch_gap
 from sculler_hdl.targets import TARGETS
-from sculler_model.cycles import Timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.throughput import clocks_per_major
+from sculler_model.golden import Timing, clocks_per_major
 
 LATENCY_GOAL = 24
 """Clocks from an interval's last sample to its result that folding is not to pass."""

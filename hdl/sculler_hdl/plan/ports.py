@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from sculler_model.cycles import COUNTER_BITS, PORT_MAJOR_BITS
-from sculler_model.design import Design
-from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import AXES, STATUS_BITS
+from sculler_model.design import AXES, STATUS_BITS, Design
+from sculler_model.golden import COUNTER_BITS, PORT_MAJOR_BITS, WORD_BITS
 
 
 class Port(NamedTuple):

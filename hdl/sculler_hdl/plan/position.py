@@ -1,6 +1,6 @@
 """High-resolution position: each sample counted at once as the interval's end will have it.
 
-The page (`sculler_model.scrolling`) integrates twice, sample after sample.  The core knows how many
+The page (`algorithms.scrolling`) integrates twice, sample after sample.  The core knows how many
 samples q are still to come, so one sum does it.  With s and r the newest sample, s' and r' the one
 before, s0 and r0 the last before the interval, and alpha, nu, T, U as they were before the newest:
 
@@ -36,8 +36,8 @@ from sculler_hdl.plan.arrival import Arrival, Limbs, at_once, last_clock, later
 from sculler_hdl.plan.cross_array import SCROLLING, CrossArrayPlan, Folding, Operand
 from sculler_hdl.plan.dot_product import DotProductPlan, Weights
 from sculler_hdl.targets import Target
-from sculler_model.scrolling import scrolling_weight
-from sculler_model.wordlength import Interval, WordLengths
+from sculler_model.algorithms import scrolling_weight
+from sculler_model.design import Interval, WordLengths
 
 DIVISOR = 6
 """Of all weights of scrolling."""

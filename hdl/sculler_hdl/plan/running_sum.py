@@ -1,7 +1,7 @@
 """What a `RunningSum` is built of."""
 
 from sculler_hdl.plan.arrival import Arrival, Limbs, by_limbs, later
-from sculler_model.wordlength import Interval
+from sculler_model.design import Interval
 
 
 class RunningSumPlan:

@@ -20,11 +20,9 @@ from sculler_hdl.plan.running_sum import RunningSumPlan
 from sculler_hdl.plan.transfer import RAIL_DELAY, HandOverPlan
 from sculler_hdl.plan.weighted_sum import Rows, WeightedSumPlan
 from sculler_hdl.targets import TARGETS
-from sculler_model.coefficients import TapTable
-from sculler_model.cycles import Dropping, Timing
-from sculler_model.design import Design
-from sculler_model.stream import words_per_column
-from sculler_model.wordlength import Interval
+from sculler_model.algorithms import TapTable
+from sculler_model.design import Design, Interval
+from sculler_model.golden import Dropping, Timing, words_per_column
 
 TAP_CLOCK = 1
 """At which A and B take a sample."""

@@ -2,8 +2,8 @@
 
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.plan.pipelined import plan_pipelined
-from sculler_model.cycles import Timing
 from sculler_model.design import Design
+from sculler_model.golden import Timing
 
 
 def timing(design: Design) -> Timing:

@@ -9,10 +9,8 @@ from collections.abc import Mapping
 from enum import Enum
 
 from sculler_hdl.plan.arrival import Arrival
-from sculler_model.cycles import PORT_MAJOR_BITS
-from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import HIGH_RESOLUTION_VECTORS, VECTORS
-from sculler_model.wordlength import Interval, WordLengths
+from sculler_model.design import HIGH_RESOLUTION_VECTORS, VECTORS, Interval, WordLengths
+from sculler_model.golden import PORT_MAJOR_BITS, WORD_BITS
 
 RAIL_DELAY = 2
 """Clocks that the status bit of the rails comes after the others."""

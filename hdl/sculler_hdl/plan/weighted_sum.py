@@ -9,7 +9,7 @@ from functools import reduce
 from sculler_hdl.plan.adder_tree import Addend, AdderTreePlan
 from sculler_hdl.plan.arrival import Arrival, Limbs, at_once, by_limbs, first_limb_clock
 from sculler_hdl.plan.dot_product import signed_digits
-from sculler_model.wordlength import ZERO, Interval
+from sculler_model.design import ZERO_RANGE, Interval
 
 Rows = Mapping[int, Sequence[tuple[int, int]]]
 """Phase (0..n-1) -> pairs (distance, coefficient) that are not zero."""
@@ -75,7 +75,7 @@ class WeightedSumPlan:
         self.terms = {d: [term for term in terms if term.distance == d] for d in self.distances}
         self.products = {
             d: AdderTreePlan(
-                self._addends(terms), Interval.signed(self.bits(d)), limb, counts | ZERO
+                self._addends(terms), Interval.signed(self.bits(d)), limb, counts | ZERO_RANGE
             )
             for d, terms in self.terms.items()
             if terms
@@ -107,7 +107,7 @@ class WeightedSumPlan:
         multiple = 1 if len(set(gates)) == 1 else None
         return [
             Addend(
-                self.counts | ZERO,
+                self.counts | ZERO_RANGE,
                 at_once(self.counts.bits, int(gate is not None)),
                 term.shift,
                 term.sign < 0,
@@ -122,7 +122,7 @@ class WeightedSumPlan:
         if distance == self.newest:
             return self.result.bits
         partial = [
-            sum((self.counts.scaled(c) for d, c in row if d >= distance), ZERO)
+            sum((self.counts.scaled(c) for d, c in row if d >= distance), ZERO_RANGE)
             for row in self.rows.values()
         ]
-        return reduce(Interval.__or__, partial, ZERO).bits
+        return reduce(Interval.__or__, partial, ZERO_RANGE).bits

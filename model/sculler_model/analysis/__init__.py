@@ -1,5 +1,7 @@
-"""Error analysis: what a design leaves under vibration, in manoeuvres and through its resolution.
+"""Studies of accuracy, a public module each: closed forms, and the same through the integers.
 
-Each study gives the closed form and, beside it, what comes out of the integer path: counts through
-`FastModel` and the host.
+`closed_form` and `drift` are analytic; `frequency`, `manoeuvre`, `quantisation`, `vibration` and
+`triple` study one kind of motion each through the exact integers (`integer_path`); `third_order`
+has the terms that two-rate algorithms leave out; `advice` finds the designs that meet a
+requirement.  It may import every other room.
 """

@@ -20,21 +20,21 @@ from math import cos, gcd, isfinite, log2, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model import closed_form
+from sculler_model.algorithms import Response
+from sculler_model.analysis import closed_form
+from sculler_model.analysis.drift import filtered_residual
 from sculler_model.analysis.integer_path import (
     rotation_vectors,
     running_attitude,
     through_core,
     with_fine_sensor,
 )
-from sculler_model.blocks import VectorBlock
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.families.drift import residual as filtered_residual
-from sculler_model.families.response import Response
+from sculler_model.fast import VectorBlock
+from sculler_model.frames import product, rotate
 from sculler_model.host import major_increments, second_order_corrections
 from sculler_model.motion import Coning, Sculling
-from sculler_model.navigation.rotation import product, rotate
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.blocks import VectorBlock
 from sculler_model.design import Design
-from sculler_model.fast import FastModel
-from sculler_model.navigation.rotation import product
-from sculler_model.quantise import Quantiser
+from sculler_model.fast import FastModel, VectorBlock
+from sculler_model.frames import product
+from sculler_model.samples import Quantiser
 
 Array = NDArray[np.float64]
 

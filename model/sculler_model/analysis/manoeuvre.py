@@ -25,8 +25,8 @@ from sculler_model.analysis.integer_path import (
 )
 from sculler_model.design import Design
 from sculler_model.errors import InputError
+from sculler_model.frames import conjugate, product
 from sculler_model.host import major_increments, third_order_terms
-from sculler_model.navigation.rotation import conjugate, product
 
 Array = NDArray[np.float64]
 

@@ -22,14 +22,13 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler_model.algorithms import TapTable
 from sculler_model.analysis.frequency import Cone, drift, record, sensor_filter
 from sculler_model.analysis.integer_path import changed
-from sculler_model.blocks import VectorBlock
-from sculler_model.coefficients import TapTable
 from sculler_model.design import Design
-from sculler_model.fast import FastModel
+from sculler_model.fast import FastModel, VectorBlock
 from sculler_model.host import major_increments, second_order_corrections
-from sculler_model.quantise import Quantiser
+from sculler_model.samples import Quantiser
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,7 @@
 
 The core's φ is of second order.  Under vibration in a turn the third-order terms drift; the host
 can estimate them from its sums (`host.ThirdOrder`), and exact accumulators at the minor rate could
-form them (`sculler_model.third_order`, a study).  All three run on the same counts here.
+form them (`sculler_model.analysis.third_order`, a study).  All three run on the same counts here.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.analysis.integer_path import changed, running_attitude, with_fine_sensor
+from sculler_model.analysis.third_order import third_order_vectors
 from sculler_model.design import Design
 from sculler_model.fast import run_fast
+from sculler_model.frames import Quaternion, conjugate, product, to_rotation_vector
 from sculler_model.host import major_increments
 from sculler_model.motion import Curve, Turn, X, Z, attitude, coning_turns, legendre_nodes
-from sculler_model.navigation.rotation import Quaternion, conjugate, product, to_rotation_vector
-from sculler_model.quantise import Quantiser
-from sculler_model.third_order import third_order_vectors
+from sculler_model.samples import Quantiser
 
 Array = NDArray[np.float64]
 

@@ -58,17 +58,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sculler_model import closed_form
-from sculler_model.coefficients import TapTable
+from sculler_model.algorithms import Response as Filter
+from sculler_model.algorithms import SensorKind, TapTable
+from sculler_model.analysis import closed_form, drift
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.families import drift
-from sculler_model.families.balance import SensorKind
-from sculler_model.families.response import Response as Filter
 from sculler_model.fast import FastModel
 from sculler_model.host import second_order_corrections
 from sculler_model.inputs import read_small
-from sculler_model.quantise import Quantiser
+from sculler_model.samples import Quantiser
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -471,7 +469,7 @@ def relative_error(
     if passed is None:
         left = closed_form.residual(table, phase, kind)
     else:
-        left = drift.residual(table, phase, kind, passed)
+        left = drift.filtered_residual(table, phase, kind, passed)
         if np.isnan(left).any():
             raise InputError(
                 "the vibration reaches above the sensor's measured response, give the response to"

@@ -4,10 +4,30 @@
 from which angular rate and specific force follow without any integration; `catalogue` has
 ready-made ones, `Vibration` shakes any of them.  `Coning`, `Sculling` and `SpinAccel` are the
 classical motions in inertial space.  Body frame: x forward, y right, z down; navigation frame:
-north, east, down.
+north, east, down.  It imports `algorithms`, `design`, `frames` and `samples`.
 """
 
-from sculler_model.motion.attitude import (
+from sculler_model.motion.catalogue import (
+    MOTIONS,
+    PLACE,
+    at_rest,
+    coning,
+    demo_motion,
+    great_circle,
+    hour_flight,
+    over_the_pole,
+    sculling,
+    spin_cone,
+    spin_rock_size,
+    steady_turn,
+    turn_motion,
+)
+from sculler_model.motion.curves import ZERO, Curve, EvenPace, Smooth, Spline
+from sculler_model.motion.earthbound import Motion
+from sculler_model.motion.flight_plan import Leg, flight
+from sculler_model.motion.inertial import Coning, Sculling, SpinAccel
+from sculler_model.motion.sampling import CHUNK, legendre_nodes
+from sculler_model.motion.turns import (
     Turn,
     X,
     Y,
@@ -18,28 +38,12 @@ from sculler_model.motion.attitude import (
     euler_turns,
     steady_attitude,
 )
-from sculler_model.motion.catalogue import (
-    MOTIONS,
-    at_rest,
-    coning,
-    demo_motion,
-    great_circle,
-    hour_flight,
-    over_the_pole,
-    sculling,
-    spin_cone,
-    spin_rock_size,
-    turn_motion,
-)
-from sculler_model.motion.curves import ZERO, Curve, EvenPace, Smooth, Spline
-from sculler_model.motion.earthbound import Motion
-from sculler_model.motion.flight import Leg, flight
-from sculler_model.motion.inertial import Coning, Sculling, SpinAccel
-from sculler_model.motion.sampling import legendre_nodes
 from sculler_model.motion.vibration import Vibration
 
 __all__ = [
+    "CHUNK",
     "MOTIONS",
+    "PLACE",
     "ZERO",
     "Coning",
     "Curve",
@@ -71,5 +75,6 @@ __all__ = [
     "spin_cone",
     "spin_rock_size",
     "steady_attitude",
+    "steady_turn",
     "turn_motion",
 ]

@@ -6,18 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import atan2, cos, pi, radians, sin
 
-from sculler_model.motion.attitude import (
-    Turn,
-    X,
-    Z,
-    coning_turns,
-    euler_turns,
-    steady_attitude,
-)
+from sculler_model.frames import from_dcm
 from sculler_model.motion.curves import Curve, EvenPace
 from sculler_model.motion.earthbound import Motion, earth_axis
-from sculler_model.motion.flight import flight, seconds
-from sculler_model.navigation.rotation import from_dcm
+from sculler_model.motion.flight_plan import flight, seconds
+from sculler_model.motion.turns import Turn, X, Z, coning_turns, euler_turns, steady_attitude
 
 PLACE = (radians(48.0), radians(11.0), 500.0)
 """Where motions begin if nothing else is said: latitude, longitude (rad), height (m)."""

@@ -11,8 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.navigation.earth import ECCENTRICITY_SQUARED, SEMI_MAJOR_AXIS
-from sculler_model.navigation.rotation import Vector
+from sculler_model.frames import ECCENTRICITY_SQUARED, SEMI_MAJOR_AXIS, Vector
 
 Array = NDArray[np.float64]
 Jet = tuple[Array, Array, Array]

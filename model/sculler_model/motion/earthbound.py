@@ -24,19 +24,24 @@ from math import cos, degrees, radians, sin
 import numpy as np
 
 from sculler_model.errors import InputError
-from sculler_model.motion.attitude import Four, Triple, Turn, attitude_jet
-from sculler_model.motion.curves import ZERO, Array, Jet, Smooth
-from sculler_model.motion.sampling import Sampled
-from sculler_model.navigation import NavHistory
-from sculler_model.navigation.earth import (
+from sculler_model.frames import (
     EARTH_RATE,
     ECCENTRICITY_SQUARED,
     SEMI_MAJOR_AXIS,
+    Quaternion,
+    Vector,
+    conjugate,
+    cross,
     gravity,
     gravity_lean,
+    product,
     radii,
+    rotate,
 )
-from sculler_model.navigation.rotation import Quaternion, Vector, conjugate, cross, product, rotate
+from sculler_model.motion.curves import ZERO, Array, Jet, Smooth
+from sculler_model.motion.sampling import Sampled
+from sculler_model.motion.turns import Four, Triple, Turn, attitude_jet
+from sculler_model.navigation import NavHistory
 
 _NEAR_POLE = radians(89.9)
 

@@ -7,9 +7,9 @@ from math import cos, pi, sin
 
 import numpy as np
 
+from sculler_model.frames import Vector
 from sculler_model.host import one_minus_cosine, one_minus_sine
 from sculler_model.motion.curves import Array
-from sculler_model.navigation.rotation import Vector
 
 
 @dataclass(frozen=True)

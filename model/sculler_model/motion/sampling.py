@@ -68,7 +68,7 @@ class Sampled(ABC):
             samples: N, how many.
             interval: T, s.
             first: number of the first sample; sample i is the rate at time i T
-                (`sculler_model.instants`).
+                (`sculler_model.samples`).
             filtered: average over T, centred: Zeng's filter sinc(Ω T/2); else the plain value.
 
         Returns:

@@ -8,9 +8,9 @@ from math import isfinite, pi, sqrt
 import numpy as np
 
 from sculler_model.errors import InputError
-from sculler_model.motion.attitude import Turn, X, Y, Z
 from sculler_model.motion.curves import ZERO, Curve
 from sculler_model.motion.earthbound import Motion
+from sculler_model.motion.turns import Turn, X, Y, Z
 
 
 @dataclass(frozen=True)

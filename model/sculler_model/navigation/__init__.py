@@ -1,9 +1,36 @@
-"""The host's navigation in double precision: wander azimuth over WGS-84."""
+"""The host's navigation in double precision: wander azimuth over WGS-84.
 
-from sculler_model.navigation.alignment import Alignment, align
+`Navigator` carries attitude, velocity and position from the increments of `host`; alignment finds
+where it begins; `Comparison` holds a run against its truth.  It imports `frames`, `host`, and what
+those import.
+"""
+
+from sculler_model.navigation.alignment import ESTIMATED, Alignment, align, euler_sigmas
+from sculler_model.navigation.coasting import coasted
+from sculler_model.navigation.compiled import compiled_run
+from sculler_model.navigation.errors import (
+    COMPONENTS,
+    NAUTICAL_MILE,
+    Comparison,
+    Figures,
+    NavErrors,
+    Start,
+    interpolated,
+    known,
+    navigation_errors,
+    rows,
+)
+from sculler_model.navigation.exact import exact_increments, increments_in_inertial_space
 from sculler_model.navigation.fine_alignment import FineAlignment, align_finely
 from sculler_model.navigation.geographic import GeographicNavigator
-from sculler_model.navigation.gravity import Gravity, constant_gravity, table_of_gravity
+from sculler_model.navigation.gravity import (
+    NORMAL,
+    Gravity,
+    constant_gravity,
+    covers,
+    pull,
+    table_of_gravity,
+)
 from sculler_model.navigation.navigator import (
     HeightDamping,
     Mechanisation,
@@ -11,27 +38,51 @@ from sculler_model.navigation.navigator import (
     navigate,
     trajectory,
 )
-from sculler_model.navigation.rotation import AxisMap
 from sculler_model.navigation.sensor_noise import NAVIGATION_GRADE, SensorNoise
-from sculler_model.navigation.state import NavHistory, NavState
+from sculler_model.navigation.state import MAX_HEIGHT, MIN_HEIGHT, NavHistory, NavState
+from sculler_model.navigation.wander import earth_at, geographic, level, travelled
 
 __all__ = [
+    "COMPONENTS",
+    "ESTIMATED",
+    "MAX_HEIGHT",
+    "MIN_HEIGHT",
+    "NAUTICAL_MILE",
     "NAVIGATION_GRADE",
+    "NORMAL",
     "Alignment",
-    "AxisMap",
+    "Comparison",
+    "Figures",
     "FineAlignment",
     "GeographicNavigator",
     "Gravity",
     "HeightDamping",
     "Mechanisation",
+    "NavErrors",
     "NavHistory",
     "NavState",
     "Navigator",
     "SensorNoise",
+    "Start",
     "align",
     "align_finely",
+    "coasted",
+    "compiled_run",
     "constant_gravity",
+    "covers",
+    "earth_at",
+    "euler_sigmas",
+    "exact_increments",
+    "geographic",
+    "increments_in_inertial_space",
+    "interpolated",
+    "known",
+    "level",
     "navigate",
+    "navigation_errors",
+    "pull",
+    "rows",
     "table_of_gravity",
     "trajectory",
+    "travelled",
 ]

@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
-from sculler_model.host import MajorIncrements
-from sculler_model.navigation.earth import EARTH_RATE
-from sculler_model.navigation.gravity import NORMAL, Gravity, pull
-from sculler_model.navigation.rotation import (
+from sculler_model.frames import (
+    EARTH_RATE,
     Quaternion,
     Vector,
     conjugate,
@@ -22,6 +20,8 @@ from sculler_model.navigation.rotation import (
     to_dcm,
     to_euler,
 )
+from sculler_model.host import MajorIncrements
+from sculler_model.navigation.gravity import NORMAL, Gravity, pull
 from sculler_model.navigation.sensor_noise import SensorNoise, estimated_noise
 from sculler_model.navigation.state import NavState
 

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from math import cos, pi, sin
 
-from sculler_model.navigation.earth import radii
-from sculler_model.navigation.rotation import (
+from sculler_model.frames import (
     Quaternion,
     about_z,
     from_rotation_vector,
     normalised,
     product,
+    radii,
     rotate,
 )
 from sculler_model.navigation.state import NavState

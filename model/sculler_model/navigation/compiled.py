@@ -17,7 +17,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.navigation import earth, gravity, rotation, wander
+from sculler_model.frames import earth, rotation
+from sculler_model.navigation import gravity, wander
 from sculler_model.navigation.gravity import covers
 from sculler_model.navigation.wander import Level, Settings, geographic, step
 

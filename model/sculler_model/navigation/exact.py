@@ -13,9 +13,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler_model.frames import EARTH_RATE, conjugate, product, rotate
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.earth import EARTH_RATE
-from sculler_model.navigation.rotation import conjugate, product, rotate
 from sculler_model.navigation.state import NavHistory
 
 Array = NDArray[np.float64]

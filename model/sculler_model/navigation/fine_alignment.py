@@ -19,6 +19,16 @@ from math import cos, nan, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler_model.frames import (
+    EARTH_RATE,
+    Quaternion,
+    Vector,
+    conjugate,
+    from_rotation_vector,
+    product,
+    rotate,
+    to_euler,
+)
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.alignment import (
     ESTIMATED,
@@ -28,17 +38,7 @@ from sculler_model.navigation.alignment import (
     euler_sigmas,
     sigmas,
 )
-from sculler_model.navigation.earth import EARTH_RATE
 from sculler_model.navigation.gravity import NORMAL, Gravity, pull
-from sculler_model.navigation.rotation import (
-    Quaternion,
-    Vector,
-    conjugate,
-    from_rotation_vector,
-    product,
-    rotate,
-    to_euler,
-)
 from sculler_model.navigation.sensor_noise import SensorNoise
 from sculler_model.navigation.state import NavState
 

@@ -8,18 +8,19 @@ from __future__ import annotations
 from math import cos, isfinite, pi, sin
 
 from sculler_model.errors import InputError
-from sculler_model.host import MajorIncrements
-from sculler_model.navigation.earth import earth_rate, transport_rate
-from sculler_model.navigation.gravity import NORMAL, Gravity, covers, pull, refuse_outside
-from sculler_model.navigation.rotation import (
+from sculler_model.frames import (
     Vector,
     cross,
+    earth_rate,
     from_rotation_vector,
     normalised,
     plus,
     product,
     rotate,
+    transport_rate,
 )
+from sculler_model.host import MajorIncrements
+from sculler_model.navigation.gravity import NORMAL, Gravity, covers, pull, refuse_outside
 from sculler_model.navigation.state import (
     NavHistory,
     NavState,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
-from sculler_model.navigation.earth import STANDARD_GRAVITY, gravity, normal_gravity
+from sculler_model.frames import STANDARD_GRAVITY, gravity, normal_gravity
 from sculler_model.navigation.state import MAX_HEIGHT, MIN_HEIGHT
 
 Array = NDArray[np.float64]

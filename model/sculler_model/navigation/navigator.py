@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
+from sculler_model.frames import GRAVITY_EQUATOR, SEMI_MAJOR_AXIS, Vector, to_dcm
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.compiled import compiled_run
-from sculler_model.navigation.earth import GRAVITY_EQUATOR, SEMI_MAJOR_AXIS
 from sculler_model.navigation.gravity import NORMAL, Gravity, covers, refuse_outside
-from sculler_model.navigation.rotation import Vector, to_dcm
 from sculler_model.navigation.state import (
     MAX_HEIGHT,
     MIN_HEIGHT,

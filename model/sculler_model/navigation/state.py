@@ -9,16 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import degrees, isfinite, pi, sqrt
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
-from sculler_model.navigation.rotation import Quaternion, Vector, euler_angles, to_euler
-
-if TYPE_CHECKING:
-    from sculler_model.host import MajorIncrements
+from sculler_model.frames import Quaternion, Vector, euler_angles, to_euler
+from sculler_model.host import MajorIncrements
 
 Array = NDArray[np.float64]
 

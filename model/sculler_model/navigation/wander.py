@@ -20,13 +20,9 @@ from __future__ import annotations
 from math import atan2, cos, hypot, pi, sin
 from typing import NamedTuple
 
-from sculler_model.navigation.earth import (
+from sculler_model.frames import (
     EARTH_RATE,
     ECCENTRICITY_SQUARED,
-    radii,
-)
-from sculler_model.navigation.gravity import Gravity, pull
-from sculler_model.navigation.rotation import (
     Quaternion,
     Vector,
     about_z,
@@ -35,9 +31,11 @@ from sculler_model.navigation.rotation import (
     normalised,
     plus,
     product,
+    radii,
     rotate,
     to_dcm,
 )
+from sculler_model.navigation.gravity import Gravity, pull
 
 AT_POLE = 1e-12
 """Cosine of latitude below which north and longitude are by convention: 6 µm from a pole."""

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from sculler_model.errors import InputError
-from sculler_sim import cache
+from sculler_sim.engines import cache
 from sculler_sim.place.devices import Device
 from sculler_sim.place.tools import NEXTPNR, ToolError
 

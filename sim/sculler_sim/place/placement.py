@@ -18,7 +18,8 @@ import sculler_sim
 from sculler_hdl import Generated, generate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_sim import cache, processes
+from sculler_sim import processes
+from sculler_sim.engines import cache
 from sculler_sim.place import nextpnr
 from sculler_sim.place.blocks import Limit, limits
 from sculler_sim.place.devices import DEVICES, FAMILY_NAMES, Device, Family

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sculler_hdl import Generated
-from sculler_sim import cache
+from sculler_sim.engines import cache
 from sculler_sim.place.devices import Family
 from sculler_sim.place.harness import CORE, TOP, harness
 from sculler_sim.place.tools import YOSYS, ToolError

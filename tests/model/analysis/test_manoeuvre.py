@@ -22,8 +22,8 @@ from sculler_model.analysis.manoeuvre import (
     update_minors,
 )
 from sculler_model.errors import InputError
+from sculler_model.frames import product
 from sculler_model.host import MajorIncrements, ThirdOrder, third_order_terms
-from sculler_model.navigation.rotation import product
 
 EXTREME = MANOEUVRES["extreme"]
 

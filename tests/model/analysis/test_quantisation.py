@@ -10,13 +10,7 @@ import pytest
 
 from host_path import fine_design
 from sculler_model.analysis.integer_path import unquantised
-from sculler_model.analysis.quantisation import (
-    deviation,
-    form,
-    levels,
-    monte_carlo,
-    products_with,
-)
+from sculler_model.analysis.quantisation import deviation, form, levels, monte_carlo, products_with
 from sculler_model.design import Design
 
 CASES = [(2, 0, 3, "increment"), (3, 2, 2, "increment"), (2, 0, 2, "rate"), (4, 0, 1, "rate")]

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sculler_model.algorithms import filtered_rate, frequency_taylor
 from sculler_model.analysis.vibration import (
     PROFILES,
     G,
@@ -20,7 +21,6 @@ from sculler_model.analysis.vibration import (
     step_for,
     trial,
 )
-from sculler_model.coefficients import filtered_rate, frequency_taylor
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 

@@ -8,10 +8,9 @@ from typing import Any
 
 import pytest
 
-from sculler_model.coefficients import frequency_taylor
+from sculler_model.algorithms import frequency_taylor, make
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.families.catalogue import make
 from sculler_model.golden import GoldenModel
 
 

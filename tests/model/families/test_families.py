@@ -11,22 +11,29 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sculler_model.closed_form import drift_rate
-from sculler_model.closed_form import residual as plain_residual
-from sculler_model.coefficients import filtered_rate, frequency_taylor
+from sculler_model.algorithms import (
+    FAMILIES,
+    Balance,
+    Digital,
+    Recipe,
+    Response,
+    Sinc,
+    filtered_rate,
+    frequency_taylor,
+    make,
+    uncompressed,
+)
+from sculler_model.analysis.closed_form import drift_rate
+from sculler_model.analysis.closed_form import residual as plain_residual
+from sculler_model.analysis.drift import filtered_residual, in_phase_drift
 from sculler_model.design import Design
-from sculler_model.families.balance import Balance
-from sculler_model.families.catalogue import FAMILIES, Recipe, make
-from sculler_model.families.drift import in_phase_drift, residual
-from sculler_model.families.response import Digital, Response, Sinc
-from sculler_model.families.uncompressed import uncompressed
 from sculler_model.fast import FastModel
+from sculler_model.frames import from_rotation_vector, rotate
+from sculler_model.frames import product as quaternion_product
 from sculler_model.golden import GoldenModel
 from sculler_model.host import major_increments
 from sculler_model.motion import Coning, Sculling
-from sculler_model.navigation.rotation import from_rotation_vector, rotate
-from sculler_model.navigation.rotation import product as quaternion_product
-from sculler_model.quantise import Quantiser
+from sculler_model.samples import Quantiser
 from strategies import random_counts
 
 Q = Fraction
@@ -180,7 +187,7 @@ def test_tuned_behind_a_real_filter(name: str) -> None:
     response = Response((Digital((Q(1, 4),) * 4),))
 
     def expected(case: Design) -> float:
-        left = residual(case.table, phase, gyro=response)
+        left = filtered_residual(case.table, phase, gyro=response)
         return float(left) * a * a * RATE / case.algorithm.samples
 
     tuned, plain = design(name), design("frequency-taylor")
@@ -204,7 +211,7 @@ def test_tuned_rates_through_the_integer_path(name: str) -> None:
     samples[:, 0], samples[:, 1] = -turn.imag, turn.real
     found = coning_drift(case, samples)
     a = np.sin(ANGLE)
-    left = residual(case.table, omega / RATE, "rate", response)
+    left = filtered_residual(case.table, omega / RATE, "rate", response)
     uncorrected = 0.5 * a * a * omega
     assert found == pytest.approx(
         float(left) * a * a * RATE / case.algorithm.samples, abs=5e-6 * uncorrected
@@ -267,7 +274,7 @@ def test_rates_are_matched_to_their_order(n: int, sum: Any) -> None:
     """Taylor matching by the drift itself: n powers gone, the residual falls as λ^(2n+3)."""
     response = Response((Digital((Q(1, 2), Q(1, 2))), Sinc()))
     table = make(Recipe("tuned", n, kind="rate", sum=sum, response=response)).table
-    coarse, fine = residual(table, np.array([0.16, 0.08]), "rate", response)
+    coarse, fine = filtered_residual(table, np.array([0.16, 0.08]), "rate", response)
     assert np.log2(coarse / fine) == pytest.approx(2 * n + 3, abs=0.2)
 
 
@@ -278,7 +285,7 @@ def test_true_sums_leave_far_less_than_zengs(n: int) -> None:
     left = {
         name: abs(
             float(
-                residual(
+                filtered_residual(
                     make(Recipe("tuned", n, kind="rate", sum=name, response=sinc)).table,
                     phase,
                     "rate",
@@ -300,9 +307,11 @@ def test_without_filter_drift_is_the_closed_form() -> None:
     phase = np.array([1e-6, 0.01, 0.4, 2.0])
     for name in ("time-taylor", "uncompressed history"):
         table = design(name).table
-        assert residual(table, phase) == pytest.approx(plain_residual(table, phase), rel=1e-12)
+        assert filtered_residual(table, phase) == pytest.approx(
+            plain_residual(table, phase), rel=1e-12
+        )
     table = filtered_rate(3)
-    found = residual(table, phase[1:], "rate", Response((Sinc(),)))
+    found = filtered_residual(table, phase[1:], "rate", Response((Sinc(),)))
     assert found == pytest.approx(plain_residual(table, phase[1:], "rate"), rel=1e-9)
 
 
@@ -329,7 +338,7 @@ def test_unlike_filters_of_gyro_and_accelerometer() -> None:
         z = 2 * np.sin(phase / 2) * np.exp(1j * phase * (t - shift))
         return z.real, z.imag
 
-    sine_sum = float(residual(table, phase)) + 0.5 * 3 * phase - 0.5 * np.sin(3 * phase)
+    sine_sum = float(filtered_residual(table, phase)) + 0.5 * 3 * phase - 0.5 * np.sin(3 * phase)
     s, (_, r) = increments(0)[0], increments(1)
     power = np.cos(phase)  # Re F_g F_a*
     assert within(s, r) == pytest.approx(power * sine_sum, rel=1e-12)
@@ -338,7 +347,7 @@ def test_unlike_filters_of_gyro_and_accelerometer() -> None:
     between = 0.5 * np.sin(phase) * np.sin(3 * phase)
     assert in_phase == pytest.approx(whole - between, rel=1e-12)
     assert whole == pytest.approx(0.5 * 3 * phase * np.sin(phase), rel=1e-4)
-    quarter = float(residual(table, phase, gyro=gyro, accel=accel))
+    quarter = float(filtered_residual(table, phase, gyro=gyro, accel=accel))
     assert quarter == pytest.approx((power - 1) * 0.5 * 3 * phase, rel=1e-3)
 
 

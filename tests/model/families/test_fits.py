@@ -11,13 +11,22 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sculler_model.coefficients import TapTable, frequency_taylor
+from sculler_model.algorithms import (
+    Balance,
+    Band,
+    Fit,
+    Response,
+    RotaryMode,
+    Sinc,
+    TapTable,
+    closest_integers,
+    fit,
+    frequency_taylor,
+    round_taps,
+)
+from sculler_model.algorithms.lattice import _search
+from sculler_model.analysis.drift import filtered_residual
 from sculler_model.errors import InputError
-from sculler_model.families.balance import Balance
-from sculler_model.families.drift import residual
-from sculler_model.families.lattice import _search, closest_integers
-from sculler_model.families.least_squares import Band, Fit, Mount, fit, round_taps
-from sculler_model.families.response import Response, Sinc
 
 Q = Fraction
 RATE = Q(1000)
@@ -64,7 +73,7 @@ def weights(hertz: NDArray[np.float64]) -> dict[str, tuple[Band, NDArray[np.floa
         "psd": (Band(Q(20), Q(450), table), lines),
         "profile": (Band(Q(20), Q(450), table, True), profile),
         "mounted": (
-            Band(Q(20), Q(450), table, True, Mount(Q(50), Q(1, 8))),
+            Band(Q(20), Q(450), table, True, RotaryMode(Q(50), Q(1, 8))),
             profile / ((1 - r) ** 2 + 4 * 0.125**2 * r),
         ),
     }
@@ -81,7 +90,7 @@ def test_weights(kind: str) -> None:
     expected, *_ = np.linalg.lstsq(root[:, np.newaxis] * P, root * truth, rcond=None)
     assert np.array(result.reals, np.float64) == pytest.approx(expected, rel=1e-4)
     table = compressed(4, result.sums)
-    mean = np.average(residual(table, phase) ** 2, weights=weight)
+    mean = np.average(filtered_residual(table, phase) ** 2, weights=weight)
     assert result.rms_rounded == pytest.approx(float(np.sqrt(mean)), rel=1e-4)
 
 
@@ -115,7 +124,7 @@ def test_rounding_beats_the_nearest_integers_by_far() -> None:
 def test_loss_is_reported_from_the_rounded_table() -> None:
     result = fit(Balance(5), 0, Band(Q(0), Q(150)), RATE, 14)
     hertz = flat(0, 150)
-    left = residual(compressed(5, result.sums), 2 * pi * hertz / 1000)
+    left = filtered_residual(compressed(5, result.sums), 2 * pi * hertz / 1000)
     assert result.rms_rounded == pytest.approx(float(np.sqrt(np.mean(left**2))), rel=1e-3)
     assert result.worst_rounded == pytest.approx(float(np.max(np.abs(left))), rel=0.03)
     assert result.loss == pytest.approx(result.rms_rounded / result.rms_real - 1)
@@ -126,7 +135,7 @@ def test_better_than_taylor_in_its_band_and_worse_below_it() -> None:
     n, hertz = 4, np.array([5.0, 190.0])
     table = fit(Balance(n), 0, Band(Q(0), Q(200)), RATE).table(Balance(n))
     least, taylor = (
-        np.abs(residual(t, 2 * pi * hertz / 1000)) for t in (table, frequency_taylor(n, 0))
+        np.abs(filtered_residual(t, 2 * pi * hertz / 1000)) for t in (table, frequency_taylor(n, 0))
     )
     assert least[1] < taylor[1] / 5
     assert least[0] > taylor[0]
@@ -152,7 +161,7 @@ def test_every_tap_is_at_a_minimum_behind_a_filter() -> None:
 
     def mean_square(taps: list[Fraction]) -> float:
         table = TapTable.from_rationals([[], [], taps], balance.weights)
-        return float(np.mean(residual(table, phase, "rate", response) ** 2))
+        return float(np.mean(filtered_residual(table, phase, "rate", response) ** 2))
 
     least = mean_square(result.sums)
     for i, step in product(range(3), (Q(1, 1000), Q(-1, 1000))):

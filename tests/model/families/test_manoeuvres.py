@@ -8,19 +8,22 @@ from itertools import pairwise
 
 import pytest
 
-from sculler_model.closed_form import leading_term
-from sculler_model.coefficients import TapTable, frequency_taylor
-from sculler_model.errors import InputError
-from sculler_model.families.pairs import (
+from sculler_model.algorithms import (
     Elimination,
+    TapTable,
     distance_sums,
     first_manoeuvre_error,
+    frequency_taylor,
     manoeuvre_error,
     pair_coefficients,
+    polynomial_fit,
     tap_table,
+    time_taylor,
+    uncompress,
+    uncompressed,
 )
-from sculler_model.families.time_taylor import polynomial_fit, time_taylor
-from sculler_model.families.uncompressed import uncompress, uncompressed
+from sculler_model.analysis.closed_form import leading_term
+from sculler_model.errors import InputError
 
 Q = Fraction
 Polynomial = list[Fraction]  # coefficients of t^0, t^1, ...

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from sculler_model.algorithms import Analogue, Digital, Measured, Response, Sinc, Stage, decimals
+from sculler_model.design.options import read_response
 from sculler_model.errors import InputError
-from sculler_model.families import decimals
-from sculler_model.families.options import read_response
-from sculler_model.families.response import Analogue, Digital, Measured, Response, Sinc, Stage
 
 Q = Fraction
 PHASES = [0.01, 0.3, 1.1, 2.9]

@@ -10,7 +10,7 @@ import click
 
 from sculler import terminal
 from sculler.commands.analyze import subjects
-from sculler.commands.analyze.options import frequency_options
+from sculler.commands.options.analysis import frequency_options
 
 REQUIREMENTS = (1.7e-4, 1.7e-5)
 """°/h: for 1 nmph and 0.1 nmph navigation (Savage-20, NEW ATTITUDE ALGORITHM REQUIREMENTS)."""
@@ -38,7 +38,7 @@ def command(half_angle: float, output: Path | None, as_json: bool, **options: An
     sensor, a family on one so fine that it does not show.
     """
     from sculler.commands.analyze.frequency import Kind
-    from sculler.commands.analyze.options import run_frequency_study
+    from sculler.commands.options.analysis import run_frequency_study
     from sculler_model.analysis.frequency import Cone
 
     kind = Kind(

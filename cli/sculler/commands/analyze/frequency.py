@@ -123,7 +123,7 @@ def study(
                 "does_not_fit_sensor_hz": too_large,
             }
     if output is not None:
-        from sculler.plots_analysis import frequency_picture
+        from sculler.plots.analysis import frequency_picture
 
         frequency_picture(output, kind.title, kind.unit, data)
         data["picture"] = str(output)

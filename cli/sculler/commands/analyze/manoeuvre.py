@@ -18,7 +18,7 @@ REQUIREMENT = 0.07
 """µrad: 4e-6 °, for all manoeuvres of a flight of 0.1 nmph navigation (Savage-20)."""
 
 NAMES = ("extreme", "turn-entry", "pitch-over")
-"""`sculler_model.analysis.manoeuvre.MANOEUVRES`, named here so that --help imports no numpy."""
+"""`sculler_model.analysis.MANOEUVRES`, named here so that --help imports no numpy."""
 
 
 @click.command(
@@ -100,7 +100,7 @@ def command(
                 advance(1)
             data["designs"][key] = {"sensor": "own" if own else "fine", "updates": rows}
     if output is not None:
-        from sculler.plots_analysis import manoeuvre_picture
+        from sculler.plots.analysis import manoeuvre_picture
 
         manoeuvre_picture(output, data)
         data["picture"] = str(output)

@@ -102,7 +102,7 @@ def command(
             data["designs"][name] = {"lsb": own, "levels": rows}
             data["seconds"] = analysis.trial_seconds(design, frequency)
     if output is not None:
-        from sculler.plots_analysis import quantisation_picture
+        from sculler.plots.analysis import quantisation_picture
 
         quantisation_picture(output, data)
         data["picture"] = str(output)

@@ -10,7 +10,7 @@ import click
 
 from sculler import terminal
 from sculler.commands.analyze import subjects
-from sculler.commands.analyze.options import frequency_options
+from sculler.commands.options.analysis import frequency_options
 
 MICRO_G = 9.80665e-6
 """m/s² per µg."""
@@ -51,7 +51,7 @@ def command(angle: float, force: float, output: Path | None, as_json: bool, **op
     by the velocity that the host arrives at.
     """
     from sculler.commands.analyze.frequency import Kind
-    from sculler.commands.analyze.options import run_frequency_study
+    from sculler.commands.options.analysis import run_frequency_study
     from sculler_model.analysis.frequency import Scull
 
     kind = Kind(

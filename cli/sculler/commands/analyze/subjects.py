@@ -109,7 +109,7 @@ def require_picture(output: Path | None) -> None:
         return
     if output.suffix.lower() != ".png":
         raise InputError(f"{output}: pictures are PNG, give a name that ends in .png")
-    from sculler.plots import require_matplotlib
+    from sculler.plots.pictures import require_matplotlib
 
     require_matplotlib()
 

@@ -10,7 +10,7 @@ import click
 
 from sculler import terminal
 from sculler.commands.analyze import subjects
-from sculler.vibration_options import SPECTRUM_HELP, mount, mount_options
+from sculler.commands.options.vibration import SPECTRUM_HELP, mount, mount_options
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -84,7 +84,7 @@ def command(
     assert first is not None  # subjects() gives one at least
     summary = {"study": "vibration", "spectrum": psd.name, **_motion(first), "designs": data}
     if output is not None:
-        from sculler.plots_vibration import vibration_picture
+        from sculler.plots.vibration import vibration_picture
 
         vibration_picture(output, psd, first, designs)
         summary["picture"] = str(output)

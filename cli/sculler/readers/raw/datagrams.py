@@ -20,8 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.readers import Advance
 from sculler.readers.raw.checksums import Frames
+from sculler.readers.recording import Advance
 from sculler_model.errors import InputError
 
 _BLOCK_BYTES = 1 << 20

@@ -10,10 +10,18 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.logs import COUNTS
-from sculler.readers import ACCEL_UNITS, GYRO_UNITS, Clock, Recording, Samples, Unit, require_finite
+from sculler.formats.log import COUNTS
 from sculler.readers.format import UNITS, Format, Head, Request, scaled
 from sculler.readers.raw.datagrams import Bytes, Census, Part, Places, Protocol, read, share_of
+from sculler.readers.recording import (
+    ACCEL_UNITS,
+    GYRO_UNITS,
+    Clock,
+    Recording,
+    Samples,
+    Unit,
+    require_finite,
+)
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 

@@ -29,9 +29,7 @@ from sculler_hdl.plan.compact.scrolling import (
     Weight,
 )
 from sculler_hdl.plan.history import short_majors
-from sculler_model.design import Design
-from sculler_model.vectors import AXES, STATUS_FAULT, STATUS_SHORT_HISTORY
-from sculler_model.wordlength import ZERO
+from sculler_model.design import AXES, STATUS_FAULT, STATUS_SHORT_HISTORY, ZERO_RANGE, Design
 
 
 class Compiler:
@@ -225,7 +223,7 @@ class Compiler:
 
     def _block(self, name: str, terms: list[ProductTerm], stores: Sequence[Store]) -> Block:
         """Column by column, as in the module's docstring; column c ends with stores[c]."""
-        nothing = self.map.number("0", [self.map.zero], [ZERO])
+        nothing = self.map.number("0", [self.map.zero], [ZERO_RANGE])
         highest = max(len(term.left.places) + len(term.right.places) - 2 for term in terms)
         if highest >= len(stores):
             raise AssertionError(f"{name}: {len(stores)} digits do not hold its products")

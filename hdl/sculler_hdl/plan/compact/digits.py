@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sculler_model.design import Design
-from sculler_model.stream import WORD_BITS
-from sculler_model.vectors import AXES
-from sculler_model.wordlength import Interval
+from sculler_model.design import AXES, Design, Interval
+from sculler_model.golden import WORD_BITS
 
 DIGIT = Interval(0, (1 << WORD_BITS) - 1)
 """Range of a digit that is not the top one."""

@@ -8,8 +8,7 @@ from enum import Enum, IntEnum
 from functools import reduce
 
 from sculler_hdl.plan.compact.digits import MemorySizes
-from sculler_model.design import Design
-from sculler_model.wordlength import Interval
+from sculler_model.design import Design, Interval
 
 
 class Base(Enum):

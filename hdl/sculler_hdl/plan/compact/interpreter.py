@@ -5,10 +5,8 @@ from __future__ import annotations
 from sculler_hdl.plan.compact.digits import OPERAND, digit_count
 from sculler_hdl.plan.compact.instructions import Base, Instruction, Program, SampleWord, When
 from sculler_hdl.plan.history import short_majors
-from sculler_model.golden import Sample
-from sculler_model.stream import WORD_BITS, words_per_column, words_per_result
-from sculler_model.vectors import STATUS_RAIL
-from sculler_model.wordlength import Interval
+from sculler_model.design import STATUS_RAIL, Interval
+from sculler_model.golden import WORD_BITS, Sample, words_per_column, words_per_result
 
 
 class Interpreter:

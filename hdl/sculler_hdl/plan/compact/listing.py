@@ -15,9 +15,7 @@ from sculler_hdl.plan.compact.instructions import (
 )
 from sculler_hdl.plan.compact.microcode import Microcode
 from sculler_hdl.plan.compact.pipeline import Pipeline
-from sculler_model.cycles import Timing
-from sculler_model.stream import words_per_column, words_per_result
-from sculler_model.throughput import clocks_per_minor
+from sculler_model.golden import Timing, clocks_per_minor, words_per_column, words_per_result
 
 _MEMORY = {"left": "L", "right": "R", "result": "O"}
 _BASE = {Base.CLEAR: "=", Base.KEEP: "+", Base.SHIFT: ">"}

@@ -15,10 +15,8 @@ from sculler_hdl.plan.compact.scrolling import (
     WEIGHTS,
     factor_ranges,
 )
-from sculler_model.design import Design
-from sculler_model.stream import WORD_BITS, words_per_column
-from sculler_model.vectors import AXES
-from sculler_model.wordlength import Interval
+from sculler_model.design import AXES, Design, Interval
+from sculler_model.golden import WORD_BITS, words_per_column
 
 
 class MemoryMap:

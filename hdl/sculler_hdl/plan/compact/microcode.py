@@ -24,7 +24,7 @@ from sculler_hdl.plan.compact.instructions import (
     When,
 )
 from sculler_hdl.plan.compact.pipeline import Pipeline
-from sculler_model.cycles import Dropping, Timing
+from sculler_model.golden import Dropping, Timing
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ def _encode_phase(
 
 
 def engine_timing(program: Program, delays: Pipeline, code: Microcode) -> Timing:
-    """The clocks the compact core takes (`sculler_model.cycles`)."""
+    """The clocks the compact core takes (`sculler_model.golden`)."""
     sizes, n = program.sizes, program.design.algorithm.samples
     # clocks from taking a sample, whose digits are written one each, to the engine's first
     loaded = sizes.sample_words + 1

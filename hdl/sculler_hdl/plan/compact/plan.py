@@ -12,8 +12,8 @@ from sculler_hdl.plan.compact.microcode import Microcode, encode, engine_timing
 from sculler_hdl.plan.compact.pipeline import Pipeline, engine_pipeline
 from sculler_hdl.plan.compact.program import compile_program
 from sculler_hdl.targets import TARGETS, Target
-from sculler_model.cycles import Timing
 from sculler_model.design import Design
+from sculler_model.golden import Timing
 
 
 @dataclass(frozen=True)

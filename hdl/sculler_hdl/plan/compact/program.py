@@ -35,22 +35,21 @@ from sculler_hdl.plan.compact.instructions import (
 )
 from sculler_hdl.plan.compact.memory_map import MemoryMap
 from sculler_hdl.plan.compact.scheduling import schedule
-from sculler_model.design import Design
-from sculler_model.stream import WORD_BITS, words_per_result
-from sculler_model.wordlength import ZERO, Interval
+from sculler_model.design import ZERO_RANGE, Design, Interval
+from sculler_model.golden import WORD_BITS, words_per_result
 
 
 def accumulator_range(
     instructions: Iterable[Instruction], ranges: Mapping[MemoryWord | SampleWord, Interval]
 ) -> Interval:
     """What the accumulator can hold, by interval arithmetic over every digit's range."""
-    now = widest = ZERO
+    now = widest = ZERO_RANGE
     for instruction in instructions:
         product = ranges[instruction.left] * ranges[instruction.right]
         if instruction.when is not When.ALWAYS:
-            product |= ZERO
+            product |= ZERO_RANGE
         if instruction.base is Base.CLEAR:
-            now = ZERO
+            now = ZERO_RANGE
         elif instruction.base is Base.SHIFT:
             now = Interval(now.lo >> WORD_BITS, now.hi >> WORD_BITS)
         now += -product if instruction.subtract else product

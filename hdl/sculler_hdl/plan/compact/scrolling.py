@@ -1,6 +1,6 @@
 """High-resolution position: each sample counted at once as the interval's end will have it.
 
-The page (`sculler_model.scrolling`) integrates twice, sample after sample.  The core knows how many
+The page (`algorithms.scrolling`) integrates twice, sample after sample.  The core knows how many
 samples q are still to come, and so keeps one sum for each result: what the result would be if only
 zeros came.  No sum can therefore leave the range of its result.  With s and r the newest sample,
 s' and r' the one before, and alpha, nu, s_alpha, s_nu as they were before the newest:
@@ -31,7 +31,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from sculler_model.wordlength import Interval
+from sculler_model.design import Interval
 
 
 class Weight(NamedTuple):

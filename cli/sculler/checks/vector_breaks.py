@@ -1,0 +1,98 @@
+"""Vectors as stretches of consecutive major intervals, every one with its instant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.design import Design
+from sculler_model.fast import VectorBlock
+from sculler_model.samples import interval_ends
+
+
+@dataclass(frozen=True)
+class Break:
+    """A place where an interval does not begin at the end of the one before.
+
+    Attributes:
+        line: of the vectors file, the first one after the break.
+        what: shows it, in words.
+        seconds: length of the break; None if it cannot be known.
+    """
+
+    line: int
+    what: str
+    seconds: float | None
+
+
+def begins_at(design: Design, end: float) -> float:
+    """Where the interval that ends at a time (s) begins."""
+    return round(end - design.major_interval, 9)
+
+
+def stretches(design: Design, blocks: Iterable[VectorBlock]) -> Iterator[VectorBlock | Break]:
+    """The blocks, each of consecutive intervals and with times, and the breaks between them.
+
+    The times are the log's own where the vectors have them; else they follow from `major` on a
+    clock that began with the log, until a reset: how long that took is not known.
+
+    Two intervals follow each other if `major` does and, where there are times, these do to three
+    quarters of a sample and a thousandth of the interval, which leaves room for stamps of few
+    digits and for a clock that is not the sensor's.
+    """
+    T = design.major_interval
+    allowed = 0.75 * design.sample_interval + 1e-3 * T
+    line = 2  # of the block's first row
+    major, time = -1, 0.0  # of the row before
+    for block in blocks:
+        if not len(block):
+            continue
+        times = interval_ends(design, block.major) if block.times is None else block.times
+        majors = np.concatenate([[major], block.major])
+        before = np.concatenate([[time], times])
+        away = np.diff(majors) != 1
+        if block.times is not None:
+            away |= ~(np.abs(np.diff(before) - T) <= allowed)
+        if line == 2:
+            away[0] = False
+        whole = replace(block, times=times)
+        cuts = [0, *(np.flatnonzero(away[1:]) + 1).tolist(), len(block)]
+        for first, end in pairwise(cuts):
+            if away[first]:
+                yield _break(design, line + first, majors[first:], before[first:], block)
+            yield _rows(whole, slice(first, end))
+        line += len(block)
+        major, time = int(majors[-1]), float(before[-1])
+
+
+def _break(
+    design: Design,
+    line: int,
+    majors: NDArray[np.int64],
+    times: NDArray[np.float64],
+    block: VectorBlock,
+) -> Break:
+    """What lies between the first and the second of some rows."""
+    (last, major), (end, next_end) = majors[:2].tolist(), times[:2].tolist()
+    seconds = next_end - end - design.major_interval
+    told = block.times is not None
+    if major == last + 1:
+        what = (
+            f"time_s goes from {end:.15g} to {next_end:.15g} s, an interval is"
+            f" {design.major_interval:g} s long"
+        )
+        return Break(line, what, seconds)
+    if major > last:
+        what = f"major is {major} where {last + 1} should follow"
+        return Break(line, what, seconds)
+    what = f"major falls back from {last} to {major}, the core was reset"
+    return Break(line, what, seconds if told else None)
+
+
+def _rows(block: VectorBlock, part: slice) -> VectorBlock:
+    times = None if block.times is None else block.times[part]
+    return VectorBlock(block.major[part], block.status[part], block.components[part], times)

@@ -1,0 +1,1 @@
+"""The project's own files: logs, vectors, truth, navigation results, where a file comes from."""

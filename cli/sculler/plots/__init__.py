@@ -1,0 +1,1 @@
+"""Pictures (matplotlib), a module for each kind of result."""

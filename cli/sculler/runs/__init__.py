@@ -1,0 +1,1 @@
+"""What the verbs do, as functions and classes without a command line."""

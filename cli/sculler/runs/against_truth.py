@@ -1,0 +1,212 @@
+"""A navigated run held against its truth: figures for people and machines, and what to draw."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler import terminal
+from sculler.formats.history import Thinned
+from sculler.formats.truth import read_truth
+from sculler_model.errors import InputError
+from sculler_model.navigation import (
+    COMPONENTS,
+    NAUTICAL_MILE,
+    Comparison,
+    Figures,
+    NavErrors,
+    NavHistory,
+    NavState,
+    Start,
+    navigation_errors,
+)
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+Array = NDArray[np.float64]
+
+ARCSEC = np.degrees(1) * 3600
+"""Arcseconds in a radian."""
+
+MILES_PER_HOUR = 3600 / NAUTICAL_MILE
+"""Nautical miles per hour in a metre per second."""
+
+UNITS = {
+    "attitude": ("arcsec", ARCSEC, "attitude_arcsec"),
+    "velocity": ("m/s", 1.0, "velocity_m_s"),
+    "position": ("m", 1.0, "position_m"),
+}
+"""By quantity: unit, how many of them an SI unit is, and the key in JSON."""
+
+NAMES = {
+    "attitude": ("tilt about north", "tilt about east", "heading", "in all"),
+    "velocity": ("north", "east", "down", "in all"),
+    "position": ("north", "east", "down", "horizontal"),
+}
+"""By quantity: its components north, east, down, and their sum."""
+
+
+class AgainstTruth:
+    """Takes a run's states as they come and forms their errors against a truth file.
+
+    Args:
+        path: the truth file.
+        interval: a major interval, s.
+
+    Attributes:
+        passed_over: rows of the truth that were passed over because of NaN.
+
+    Raises:
+        InputError: the file cannot be read or has a fault.
+    """
+
+    def __init__(self, path: Path, interval: float) -> None:
+        self.path = path
+        self.passed_over = 0
+        blocks = read_truth(path, passed_over=self._pass_over)
+        self._comparison = Comparison(blocks, interval, str(path))
+        self._estimate, self._truth = Thinned(), Thinned()
+
+    def _pass_over(self, rows: int) -> None:
+        self.passed_over += rows
+
+    @property
+    def first(self) -> NavState:
+        """The truth's first state."""
+        return self._comparison.first
+
+    @property
+    def known(self) -> tuple[str, ...]:
+        """Which of attitude, velocity and position the truth tells."""
+        return self._comparison.known
+
+    def start(self, instants: Array) -> Start | None:
+        """Where a run can begin; see `Comparison.start`."""
+        return self._comparison.start(instants)
+
+    def ended(self, time: float) -> bool:
+        """Whether the truth ends before a time; see `Comparison.ended`."""
+        return self._comparison.ended(time)
+
+    def no_overlap(self, begin: float, end: float) -> InputError:
+        """What to say of a run that has nothing in common with the truth."""
+        return self._comparison.no_overlap(begin, end)
+
+    def begin(self) -> None:
+        """A new stretch of the run, after a break; see `Comparison.begin`."""
+        self._comparison.begin()
+
+    def add(self, part: NavHistory) -> None:
+        """Take the next states."""
+        estimate, truth = self._comparison.add(part)
+        self._estimate.add(estimate)
+        self._truth.add(truth)
+
+    def finish(self) -> None:
+        """The run is over; see `Comparison.finish`."""
+        self._comparison.finish()
+
+    def summary(self) -> dict[str, Any]:
+        """The figures, as plain data."""
+        comparison = self._comparison
+        data: dict[str, Any] = {
+            "truth": str(self.path),
+            "instants": comparison.instants,
+            "interpolated": comparison.interpolated,
+            "rows_passed_over": self.passed_over,
+            "left_out_s": comparison.left_out._asdict(),
+            "step_s": comparison.step,
+        }
+        for quantity, by_component in comparison.figures().items():
+            _, scale, key = UNITS[quantity]
+            names = (*COMPONENTS, "horizontal" if quantity == "position" else "total")
+            data[key] = {
+                name: _scaled(figures, scale)
+                for name, figures in zip(names, by_component.values(), strict=True)
+            }
+        if "position" in self.known:
+            data["horizontal_growth_nmi_per_h"] = comparison.growth * MILES_PER_HOUR
+        return data
+
+    @property
+    def growth(self) -> float:
+        """Growth of the horizontal error, m/s; see `Comparison.growth`."""
+        return self._comparison.growth
+
+    def shown(self) -> tuple[NavHistory, NavHistory, NavErrors]:
+        """Estimate, truth and errors at not too many instants, for pictures."""
+        estimate, truth = self._estimate.history(), self._truth.history()
+        return estimate, truth, navigation_errors(estimate, truth)
+
+
+def _scaled(figures: Figures, scale: float) -> dict[str, float]:
+    return {
+        "rms": scale * figures.rms,
+        "max": scale * figures.largest,
+        "final": scale * figures.final,
+    }
+
+
+def rows(errors: dict[str, Any]) -> list[tuple[str, ...]]:
+    """Lines of the table of errors: what, unit, rms, largest, final."""
+    lines = []
+    for quantity, (unit, _, key) in UNITS.items():
+        if key not in errors:  # the truth does not tell it
+            continue
+        for name, figures in zip(NAMES[quantity], errors[key].values(), strict=True):
+            numbers = (terminal.three_digits(figures[k]) for k in ("rms", "max", "final"))
+            lines.append((f"{quantity}, {name}", unit, *numbers))
+    return lines
+
+
+def table(errors: dict[str, Any]) -> Table:
+    """The table of errors for a terminal."""
+    from rich.table import Table
+
+    shown = Table(title="errors against the truth", title_justify="left")
+    for name in ("", "unit", "rms", "largest", "at the end"):
+        shown.add_column(name, justify="left" if name in ("", "unit") else "right")
+    for number, line in enumerate(rows(errors), start=1):
+        shown.add_row(*line, end_section=number % 4 == 0)
+    return shown
+
+
+def facts(errors: dict[str, Any]) -> dict[str, str]:
+    """What to say beside the table."""
+    instants = f"{errors['instants']:,} instants of {errors['truth']}"
+    if errors["interpolated"]:
+        instants += f", {errors['interpolated']:,} of them by interpolation"
+    shown = {"compared at": instants}
+    if errors["rows_passed_over"]:
+        shown["truth passed over"] = (
+            f"{terminal.plural(errors['rows_passed_over'], 'row')} with NaN"
+        )
+    if left := _left_out(errors):
+        shown["left out"] = left
+    if "horizontal_growth_nmi_per_h" in errors:
+        growth = terminal.three_digits(errors["horizontal_growth_nmi_per_h"])
+        shown["horizontal error"] = (
+            f"grows {growth} nautical miles an hour (the line through zero that fits best)"
+        )
+    return shown
+
+
+def _left_out(errors: dict[str, Any]) -> str:
+    """What only one of run and truth has, where it is more than a step of the truth."""
+    words = {
+        "run_before": "{} s of the run before the truth begins",
+        "run_after": "{} s of the run after it ends",
+        "truth_before": "{} s of the truth before the run begins",
+        "truth_after": "{} s of the truth after it ends",
+        "run_in_gaps": "{} s of the run in gaps of the truth",
+    }
+    left = errors["left_out_s"]
+    return ", ".join(
+        text.format(f"{left[key]:,.6g}")
+        for key, text in words.items()
+        if left[key] > 1.5 * errors["step_s"]
+    )

@@ -1,0 +1,479 @@
+"""A run of the navigator over vectors: where it begins, what it does at a break, where it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler.checks.first_seconds import FirstSeconds
+from sculler.checks.oddities import Oddities
+from sculler.checks.vector_breaks import Break, begins_at, stretches
+from sculler.runs.against_truth import AgainstTruth
+from sculler.terminal import plural
+from sculler_model.design import STATUS_FAULT, STATUS_LOST, STATUS_RAIL, Design
+from sculler_model.errors import InputError
+from sculler_model.fast import VectorBlock
+from sculler_model.frames import AxisMap, from_euler, to_euler
+from sculler_model.host import MajorIncrements, ThirdOrder, major_increments
+from sculler_model.navigation import (
+    ESTIMATED,
+    NORMAL,
+    Alignment,
+    FineAlignment,
+    Gravity,
+    Mechanisation,
+    NavHistory,
+    NavState,
+    SensorNoise,
+    align,
+    align_finely,
+    coasted,
+    trajectory,
+)
+
+Array = NDArray[np.float64]
+Three = tuple[float | None, float | None, float | None]
+
+STATUSES = {
+    "fault_results": (STATUS_FAULT, "with faulty samples (status bit 1)"),
+    "rail_results": (STATUS_RAIL, "with a count at its rail (status bit 2)"),
+    "lost_results": (STATUS_LOST, "after samples that were lost (status bit 3)"),
+}
+"""By key in JSON: status bits that are told, and what they say of a result."""
+
+BEFORE, NOTHING = "before the run", "nothing is navigated after it, for the truth begins later"
+FROM_TRUTH, ALIGNED = "begun anew from the truth", "aligned anew"
+CARRIED = "attitude and velocity are taken over it, the position goes on with the velocity"
+"""What became of a break."""
+
+BREAKS_TOLD = 5
+"""Breaks that get a warning of their own; the others are counted."""
+
+
+class Given(NamedTuple):
+    """What the user says of the initial state; None for what is left out.
+
+    Attributes:
+        angles: roll, pitch, heading, rad.
+        velocity: north, east, down, m/s.
+        place: lat (rad), lon (rad), height (m).
+    """
+
+    angles: Three
+    velocity: Three
+    place: Three
+
+    def state(self, time: float, origin: NavState | None) -> NavState:
+        """The initial state: as given, else as another tells, else level and still.
+
+        Args:
+            time: s.
+            origin: the other state, NaN for what it does not tell.
+
+        Raises:
+            InputError: nobody tells the position.
+        """
+        level: tuple[float, float, float] = (0.0, 0.0, 0.0)
+        told = origin is not None and isfinite(origin.q[0])
+        q = origin.q if origin is not None and told else (1.0, 0.0, 0.0, 0.0)
+        if any(angle is not None for angle in self.angles):
+            q = from_euler(*_filled(self.angles, to_euler(q)))
+        moving = origin is not None and isfinite(origin.v[0])
+        v = _filled(self.velocity, origin.v if origin is not None and moving else level)
+        lat, lon, h = self.position(origin)
+        return NavState(time, q, v, lat, lon, h)
+
+    def position(self, origin: NavState | None) -> tuple[float, float, float]:
+        """Latitude, longitude (rad) and height (m); see `state`."""
+        there = (None, None, None) if origin is None else (origin.lat, origin.lon, origin.h)
+        place = [b if a is None else a for a, b in zip(self.place, there, strict=True)]
+        for name, value in zip(("lat", "lon", "height"), place, strict=True):
+            if value is None or not isfinite(value):
+                raise InputError(
+                    f"--{name}: missing, for the truth tells no position; say where the run begins"
+                )
+        lat, lon, h = (float(value or 0.0) for value in place)
+        return lat, lon, h
+
+
+def _filled(given: Three, other: tuple[float, float, float]) -> tuple[float, float, float]:
+    a, b, c = (y if x is None else x for x, y in zip(given, other, strict=True))
+    return a, b, c
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How to run.
+
+    Attributes:
+        design: the design.
+        name: of the vectors, for messages.
+        given: what is said of the initial state.
+        mechanisation: makes what carries the state, of its first state and the height (m) that
+            the run began with.
+        axes: from the sensor's axes to the body's.
+        start, stop: the run's first and last instant (s), ends of major intervals; None for the
+            first possible, the last.
+        align: seconds of alignment at rest at the beginning; None for none.
+        fine: refine it.
+        third_order: correct φ by `ThirdOrder`.
+        split: begin anew after a break, which else is refused.
+        gravity: the model of gravity.
+        noise: what is known of the sensors, for the alignment.
+    """
+
+    design: Design
+    name: str
+    given: Given
+    mechanisation: Callable[[NavState, float], Mechanisation]
+    axes: AxisMap
+    start: float | None = None
+    stop: float | None = None
+    align: float | None = None
+    fine: bool = False
+    third_order: bool = False
+    split: bool = False
+    gravity: Gravity = NORMAL
+    noise: SensorNoise = ESTIMATED
+
+
+@dataclass
+class Seen:
+    """What a run came by.
+
+    Attributes:
+        start, end: its first and last state.
+        alignment, fine: at its beginning.
+        statuses: by key of `STATUSES`, how many of the results used carry it, and when the first
+            of them ends.
+        left_out: results of short history at the beginning that the run begins after.
+        breaks: as plain data.
+        warnings: what to look at before trusting the run.
+    """
+
+    start: NavState | None = None
+    end: NavState | None = None
+    alignment: Alignment | None = None
+    fine: FineAlignment | None = None
+    statuses: dict[str, tuple[int, float]] = field(default_factory=dict)
+    left_out: int = 0
+    breaks: list[dict[str, float | int | str]] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+
+class NavigationRun:
+    """Carries a state over vectors that come in blocks; `seen` tells what happened.
+
+    It begins at the first instant from which on no result is of short history (status bit 0); the
+    given initial state holds there.  With a truth it begins where the truth has a state.
+
+    Args:
+        plan: how.
+        sink: told the states, the first one and those at the interval ends.
+        reference: the truth, or None.
+    """
+
+    def __init__(
+        self, plan: Plan, sink: Callable[[NavHistory], None], reference: AgainstTruth | None = None
+    ) -> None:
+        self._plan, self._sink, self._reference = plan, sink, reference
+        self._T, self._half = plan.design.major_interval, 0.5 * plan.design.sample_interval
+        self.seen = Seen()
+        self._oddities = Oddities(plan.design)
+        self._first: FirstSeconds | None = None
+        self._span: tuple[float, float] | None = None  # of the vectors so far
+        self._over = False
+        self._bias: FineAlignment | None = None
+        self._begin()
+
+    def _begin(self) -> None:
+        """A new stretch."""
+        self._navigator: Mechanisation | None = None
+        self._edge: float | None = None  # where the next interval begins
+        self._window: list[MajorIncrements] = []  # to align with
+        self._window_from = 0.0
+        self._third_order = ThirdOrder() if self._plan.third_order else None
+        self._left_out = 0
+
+    def take(self, blocks: Iterable[VectorBlock]) -> None:
+        """Run over all blocks, or as far as the plan says.
+
+        Raises:
+            InputError: there is nothing to run over, a break that is refused, a start that is not
+                there, or what alignment and navigator refuse.
+        """
+        for part in stretches(self._plan.design, blocks):
+            if isinstance(part, Break):
+                self._after_break(part)
+            else:
+                self._take(part)
+            if self._over:
+                break
+        self._finish()
+
+    def _take(self, block: VectorBlock) -> None:
+        """The next consecutive intervals."""
+        plan = self._plan
+        increments = major_increments(plan.design, block).in_axes(plan.axes)
+        if self._third_order is not None:
+            increments = self._third_order(increments)
+        times = increments.times
+        assert times is not None
+        edge = begins_at(plan.design, float(times[0])) if self._edge is None else self._edge
+        self._edge = float(times[-1])
+        self._span = (edge if self._span is None else self._span[0], self._edge)
+        if self._navigator is None:
+            anew = self.seen.start is not None and self._reference is not None
+            align = plan.align is not None and not anew
+            begin = self._aligned if align else self._started
+            increments = begin(increments, np.concatenate([[edge], times[:-1]]))
+        if self._navigator is not None and len(increments):
+            self._carry(self._navigator, increments)
+
+    def _started(self, increments: MajorIncrements, begins: Array) -> MajorIncrements:
+        """Begin at one of the intervals' beginnings, if the run does; the intervals after it."""
+        lead = increments.leading_short
+        self._left_out += lead
+        found = self._choose(begins[lead:], lead > 0) if lead < len(begins) else None
+        if found is None:
+            return increments[len(increments) :]
+        row, state = found
+        if self.seen.start is None and self._plan.start is None and row == 0:
+            self.seen.left_out = self._left_out
+        self._go(state)
+        return increments[lead + row :]
+
+    def _choose(self, begins: Array, cut: bool) -> tuple[int, NavState] | None:
+        """Which of some instants to begin at, and the state there; None to go on looking."""
+        plan, reference, last = self._plan, self._reference, self.seen.end
+        if plan.start is not None and last is None:
+            row = self._asked(plan.start, begins, cut)
+            if row is None:
+                return None
+            time = float(begins[row])
+            start = None if reference is None else reference.start(begins[row : row + 1])
+            if reference is not None and start is None:
+                raise InputError(
+                    f"{reference.path}: the truth has no state at {time:.15g} s, where --start"
+                    " begins the run; give a time inside the truth"
+                )
+            return row, plan.given.state(time, None if start is None else start.state)
+        start = None if reference is None else reference.start(begins)
+        if start is not None:
+            time = float(begins[start.row])
+            if start.interpolated and last is None:
+                self.seen.warnings.append(
+                    "the truth has no row at the end of a major interval, so the state at"
+                    f" {time:.15g} s, with which the run begins, is interpolated between two"
+                )
+            if last is None:
+                return start.row, plan.given.state(time, start.state)
+            # what the truth does not tell goes on as without it
+            self._then(FROM_TRUTH)
+            return start.row, _completed(start.state, coasted(last, time - last.time))
+        time = float(begins[0])
+        if reference is not None and not (last is not None and reference.ended(time)):
+            return None  # it may begin later
+        if last is None:
+            return 0, plan.given.state(time, None)
+        self._then(CARRIED)
+        return 0, coasted(last, time - last.time)
+
+    def _then(self, how: str) -> None:
+        """Say what became of the last break."""
+        found = self.seen.breaks[-1]
+        found["then"] = how
+        if len(self.seen.breaks) <= BREAKS_TOLD:
+            self.seen.warnings.append(
+                f"a break of {found['seconds']:.6g} s before line {found['line']}"
+                f" ({found['what']}): {how}"
+            )
+
+    def _asked(self, start: float, begins: Array, cut: bool) -> int | None:
+        """The row at which --start wants to begin; None if it comes later."""
+        row = int(np.argmin(np.abs(begins - start)))
+        if abs(begins[row] - start) <= self._half:
+            return row
+        first = float(begins[0])
+        if start > begins[-1]:
+            # the end of this block's last interval is the beginning of the next one's first
+            if self._edge is not None and start < self._edge - self._half:
+                raise self._off_grid(start)
+            return None
+        if start > first:
+            raise self._off_grid(start)
+        why = "there is no result before"
+        if cut:
+            why = "the result before reaches before the first sample (status bit 0)"
+        raise InputError(
+            f"--start: the run cannot begin at {start:.15g} s, but from {first:.15g} s on:"
+            f" {why}; give a later time"
+        )
+
+    def _off_grid(self, start: float) -> InputError:
+        return InputError(
+            f"--start: the run cannot begin at {start:.15g} s, which is not the end of a major"
+            f" interval of {self._T:g} s; give another time"
+        )
+
+    def _aligned(self, increments: MajorIncrements, begins: Array) -> MajorIncrements:
+        """Gather the window, and begin at its end once it is whole; the intervals after it."""
+        plan = self._plan
+        assert plan.align is not None
+        if not self._window:
+            lead = increments.leading_short
+            self._left_out += lead
+            increments, begins = increments[lead:], begins[lead:]
+            if not len(increments):
+                return increments
+            self._window_from = float(begins[0])
+        wanted = max(1, round(plan.align / self._T)) - sum(map(len, self._window))
+        self._window.append(increments[:wanted])
+        if len(increments) < wanted:
+            return increments[len(increments) :]
+        window = MajorIncrements.concatenate(self._window)
+        assert window.times is not None
+        self._count(window)
+        place = self._place()
+        known = (plan.noise, plan.gravity)
+        coarse = align(window, self._T, place[0], place[2], *known)
+        state = coarse.state(*place)
+        if plan.fine:
+            self._bias = align_finely(window, self._T, place[0], place[2], *known)
+            state = self._bias.state(*place)
+        if self.seen.start is None:
+            self.seen.alignment, self.seen.fine = coarse, self._bias
+            self.seen.left_out = self._left_out
+        self.seen.warnings += (self._bias or coarse).warnings
+        if self.seen.start is not None:
+            self._then(ALIGNED)
+        self._go(state._replace(time=float(window.times[-1])))
+        return increments[wanted:]
+
+    def _place(self) -> tuple[float, float, float]:
+        """Where a unit at rest stands: as given, by the truth, or where the run has come to."""
+        if self.seen.end is not None:
+            return self.seen.end.lat, self.seen.end.lon, self.seen.end.h
+        return self._plan.given.position(None if self._reference is None else self._reference.first)
+
+    def _go(self, state: NavState) -> None:
+        """Navigate from a state on."""
+        if self.seen.start is None:
+            self.seen.start = state
+            if self._plan.align is None:  # which looks at the force itself
+                plan = self._plan
+                self._first = FirstSeconds(state, self._T, plan.gravity, plan.axes)
+        self._navigator = self._plan.mechanisation(state, self.seen.start.h)
+        self.seen.end = state
+        self._show(NavHistory.from_states([state]))
+
+    def _carry(self, navigator: Mechanisation, increments: MajorIncrements) -> None:
+        """Navigate over the next intervals."""
+        times = increments.times
+        assert times is not None
+        if self._plan.stop is not None:
+            rows = int(np.count_nonzero(times <= self._plan.stop + self._half))
+            self._over = rows < len(increments)
+            increments = increments[:rows]
+        self._count(increments)
+        if self._first is not None:
+            self._first.see(increments)
+        if self._bias is not None:
+            increments = self._bias.corrected(increments, self._T)
+        for part in trajectory(navigator, [increments] if len(increments) else []):
+            self._show(part)
+        self.seen.end = navigator.state
+
+    def _show(self, part: NavHistory) -> None:
+        self._sink(part)
+        if self._reference is not None:
+            self._reference.add(part)
+
+    def _count(self, increments: MajorIncrements) -> None:
+        """Look at intervals that are used."""
+        self._oddities.see(increments)
+        if increments.status is None or increments.times is None:
+            return
+        for key, (bit, _) in STATUSES.items():
+            marked = (increments.status & bit) != 0
+            if marked.any():
+                first = float(increments.times[np.argmax(marked)])
+                count, time = self.seen.statuses.get(key, (0, first))
+                self.seen.statuses[key] = (count + int(marked.sum()), time)
+
+    def _after_break(self, found: Break) -> None:
+        """Refuse it, or begin anew."""
+        plan = self._plan
+        where = f"{plan.name}: line {found.line}: {found.what}"
+        if not plan.split:
+            raise InputError(
+                f"{where}; mend the log, or give --breaks split to begin anew after it"
+            )
+        if found.seconds is None:
+            raise InputError(
+                f"{where}: how long that took is not known, so neither is the time after it; give"
+                " the log a column time_s"
+            )
+        if found.seconds < -self._half:
+            raise InputError(f"{where}: time runs back; put the log in order")
+        if self._window and self._navigator is None:
+            raise InputError(
+                f"{where}, inside the window of --align; give a shorter one, or cut the log"
+            )
+        then = BEFORE if self.seen.start is None else NOTHING
+        self.seen.breaks.append(
+            {"line": found.line, "what": found.what, "seconds": found.seconds, "then": then}
+        )
+        self._oddities.begin()
+        if self._reference is not None:
+            self._reference.begin()
+        self._begin()
+
+    def _finish(self) -> None:
+        plan, seen = self._plan, self.seen
+        if seen.breaks and seen.breaks[-1]["then"] == NOTHING and self._reference is not None:
+            self._then(NOTHING)
+        elif plan.align is not None and self._navigator is None:
+            seconds = sum(map(len, self._window)) * self._T
+            after = " after the last break" if seen.breaks else ""
+            raise InputError(
+                f"--align: {plan.align:g} s are more than the {seconds:g} s of vectors{after},"
+                " give less"
+            )
+        if seen.start is None or seen.end is None or seen.end == seen.start:
+            nowhere = seen.start is None and plan.start is None
+            if nowhere and self._reference is not None and self._span is not None:
+                raise self._reference.no_overlap(*self._span)
+            if seen.start is not None and plan.stop is not None:
+                raise InputError(
+                    f"--stop: {plan.stop:.15g} s is not after the run's beginning at"
+                    f" {seen.start.time:.15g} s, give a later time"
+                )
+            raise InputError(f"{plan.name}: no results to navigate with, give a longer log")
+        if self._reference is not None:
+            self._reference.finish()
+        if self._first is not None and self._first.warning is not None:
+            seen.warnings.append(self._first.warning)
+        for key, (count, time) in seen.statuses.items():
+            seen.warnings.append(
+                f"{plural(count, 'result')} {STATUSES[key][1]}, the first one ends at {time:.15g} s"
+            )
+        if len(seen.breaks) > BREAKS_TOLD:
+            seen.warnings.append(f"{plural(len(seen.breaks) - BREAKS_TOLD, 'more break')}")
+        seen.warnings += self._oddities.finish()
+
+
+def _completed(state: NavState, other: NavState) -> NavState:
+    """A state whose missing parts (NaN) another one tells."""
+    if not isfinite(state.q[0]):
+        state = state._replace(q=other.q)
+    if not isfinite(state.v[0]):
+        state = state._replace(v=other.v)
+    if not isfinite(state.lat):
+        state = state._replace(lat=other.lat, lon=other.lon, h=other.h)
+    return state

@@ -1,0 +1,108 @@
+"""Coning and sculling algorithms as exact rationals: tap tables and the families they come from.
+
+`TapTable` holds a table of integer taps over one denominator; `make` designs one of any family of
+`FAMILIES`.  Vectors of exact integers and the scrolling of high-resolution position are here too.
+It imports no other room.
+"""
+
+from sculler_model.algorithms.balance import Balance, SensorKind, Sum
+from sculler_model.algorithms.catalogue import (
+    BASES,
+    FAMILIES,
+    SENSOR_KINDS,
+    TABLES,
+    Made,
+    Match,
+    Recipe,
+    make,
+)
+from sculler_model.algorithms.decimals import rational
+from sculler_model.algorithms.integer_vectors import ZERO, Vec, cross, plus, times, whole_numbers
+from sculler_model.algorithms.lattice import closest_integers
+from sculler_model.algorithms.least_squares import Band, Fit, RotaryMode, fit, round_taps
+from sculler_model.algorithms.pairs import (
+    Elimination,
+    distance_sums,
+    first_manoeuvre_error,
+    manoeuvre_error,
+    pair_coefficients,
+    tap_table,
+)
+from sculler_model.algorithms.response import Analogue, Digital, Measured, Response, Sinc, Stage
+from sculler_model.algorithms.scrolling import (
+    S_DENOMINATOR,
+    SCROLLING_DENOMINATOR,
+    DoublyIntegrated,
+    HighResolution,
+    high_resolution,
+    scrolling_weight,
+    scrolling_weights_total,
+)
+from sculler_model.algorithms.tap_table import (
+    CLOSED_FORMS,
+    MAX_SAMPLES,
+    TapTable,
+    filtered_rate,
+    frequency_taylor,
+    newton_cotes,
+    solve_exactly,
+)
+from sculler_model.algorithms.time_taylor import polynomial_fit, time_taylor
+from sculler_model.algorithms.uncompressed import uncompress, uncompressed
+
+__all__ = [
+    "BASES",
+    "CLOSED_FORMS",
+    "FAMILIES",
+    "MAX_SAMPLES",
+    "SCROLLING_DENOMINATOR",
+    "SENSOR_KINDS",
+    "S_DENOMINATOR",
+    "TABLES",
+    "ZERO",
+    "Analogue",
+    "Balance",
+    "Band",
+    "Digital",
+    "DoublyIntegrated",
+    "Elimination",
+    "Fit",
+    "HighResolution",
+    "Made",
+    "Match",
+    "Measured",
+    "Recipe",
+    "Response",
+    "RotaryMode",
+    "SensorKind",
+    "Sinc",
+    "Stage",
+    "Sum",
+    "TapTable",
+    "Vec",
+    "closest_integers",
+    "cross",
+    "distance_sums",
+    "filtered_rate",
+    "first_manoeuvre_error",
+    "fit",
+    "frequency_taylor",
+    "high_resolution",
+    "make",
+    "manoeuvre_error",
+    "newton_cotes",
+    "pair_coefficients",
+    "plus",
+    "polynomial_fit",
+    "rational",
+    "round_taps",
+    "scrolling_weight",
+    "scrolling_weights_total",
+    "solve_exactly",
+    "tap_table",
+    "time_taylor",
+    "times",
+    "uncompress",
+    "uncompressed",
+    "whole_numbers",
+]

@@ -1,0 +1,363 @@
+"""`least-squares`: the residual's weighted mean square over a band made least (Savage-20 method 3).
+
+The fit is done in decimals of as many digits as its conditioning asks for, and rounded to integers
+over a power of two by a lattice search, so that the generated hardware is the same on any machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+from fractions import Fraction
+from itertools import pairwise
+from math import ceil
+
+from sculler_model.algorithms.balance import Balance
+from sculler_model.algorithms.decimals import exact, pi
+from sculler_model.algorithms.lattice import Matrix, closest_integers, nearest
+from sculler_model.algorithms.response import Response
+from sculler_model.algorithms.tap_table import TapTable
+from sculler_model.errors import InputError
+
+MAX_TAPS = 16
+"""Most taps that are fitted."""
+
+DENOMINATOR_BITS = 24
+"""Denominator of rounded taps where the user names none: 2^24."""
+
+LEAST_RESPONSE = Decimal("0.01")
+"""Where the filter passes less than this, the samples tell too little to correct with."""
+
+ROUNDING_SHARE = Decimal("0.01")
+"""Share of the fit's own mean square that one unit of every tap is made to cost at least."""
+
+FURTHEST_MOVE = Decimal(2) ** -4
+"""How far rounding may move a tap, so that noise and what lies outside the band stay as fitted."""
+
+FURTHEST_UNITS = 8
+"""How many units it may move one at least, where units are coarse."""
+
+# Three-point Gauss-Legendre on panels of the band
+_NODES = (Fraction(5, 18), Fraction(8, 18), Fraction(5, 18))
+
+
+@dataclass(frozen=True)
+class RotaryMode:
+    """A rotary isolator mode, |1/(1 - r² + 2iζr)|², r = f/natural (Savage-98 section VI)."""
+
+    natural_hz: Fraction
+    damping: Fraction
+
+    def power(self, hertz: Fraction) -> Fraction:
+        """Squared response."""
+        r = (hertz / self.natural_hz) ** 2
+        return 1 / ((1 - r) ** 2 + 4 * self.damping**2 * r)
+
+
+@dataclass(frozen=True)
+class Band:
+    """Where, and how heavily, the residual counts.
+
+    Attributes:
+        low_hz, high_hz: the band.
+        points: (frequency, weight) joined by straight lines; none is weight 1.
+        logarithmic: straight on log-log paper, as a vibration profile is drawn.
+        mount: an isolator that a vibration passes before it shakes the sensor.
+    """
+
+    low_hz: Fraction
+    high_hz: Fraction
+    points: tuple[tuple[Fraction, Fraction], ...] = ()
+    logarithmic: bool = False
+    mount: RotaryMode | None = None
+
+    def weight(self, hertz: Fraction) -> Decimal:
+        """At a frequency inside the band."""
+        weight = Decimal(1)
+        for (low, w0), (high, w1) in pairwise(self.points):
+            if low <= hertz <= high:
+                if self.logarithmic:
+                    share = exact(hertz / low).ln() / exact(high / low).ln()
+                    weight = exact(w0) * (share * exact(w1 / w0).ln()).exp()
+                else:
+                    share = exact((hertz - low) / (high - low))
+                    weight = exact(w0) + exact(w1 - w0) * share
+                break
+        return weight * exact(self.mount.power(hertz)) if self.mount else weight
+
+    def panels(self, widest: Fraction) -> Iterator[tuple[Fraction, Fraction]]:
+        """The band in pieces no wider than `widest` (Hz) that break where the weight does."""
+        inner = [f for f, _ in self.points if self.low_hz < f < self.high_hz]
+        if self.mount and self.low_hz < self.mount.natural_hz < self.high_hz:
+            inner.append(self.mount.natural_hz)
+            widest = min(widest, self.mount.natural_hz * max(self.mount.damping, Fraction(1, 50)))
+        edges = [self.low_hz, *sorted(set(inner)), self.high_hz]
+        for low, high in pairwise(edges):
+            count = ceil((high - low) / widest)
+            step = (high - low) / count
+            yield from ((low + i * step, low + (i + 1) * step) for i in range(count))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted row of phase n, before and after rounding.
+
+    The residual is `balance` (B1): rad per minor interval for unit coning amplitudes.
+
+    Attributes:
+        reals: K_d, d = 1.., as fitted.
+        integers: the same over 2^denominator_bits.
+        denominator_bits: of the denominator.
+        rms_real, rms_rounded, rms_nearest: weighted root mean square residual over the band, as
+            fitted, as rounded, and as nearest integers would leave it.
+        worst_real, worst_rounded: largest |residual| in the band.
+        worst_hz: the frequency of `worst_rounded`.
+    """
+
+    reals: tuple[Decimal, ...]
+    integers: tuple[int, ...]
+    denominator_bits: int
+    rms_real: float
+    rms_rounded: float
+    rms_nearest: float
+    worst_real: float
+    worst_rounded: float
+    worst_hz: float
+
+    @property
+    def loss(self) -> float:
+        """What rounding costs: weighted rms residual after over before, minus 1."""
+        return self.rms_rounded / self.rms_real - 1 if self.rms_real else 0.0
+
+    @property
+    def sums(self) -> list[Fraction]:
+        """The rounded K_d."""
+        return [Fraction(k, 1 << self.denominator_bits) for k in self.integers]
+
+    def table(self, balance: Balance) -> TapTable:
+        """The compressed table: these taps in row n."""
+        rows: list[list[Fraction]] = [[] for _ in range(balance.samples - 1)]
+        return TapTable.from_rationals([*rows, self.sums], balance.weights)
+
+
+@dataclass(frozen=True)
+class _Points:
+    """The balance at the quadrature's points: rows of terms, right sides, weights, frequencies."""
+
+    rows: Matrix
+    right: list[Decimal]
+    weights: list[Decimal]
+    hertz: list[Fraction]
+
+    def residuals(self, taps: Sequence[Decimal]) -> list[Decimal]:
+        return [
+            sum((k * x for k, x in zip(taps, row, strict=True)), -right)
+            for row, right in zip(self.rows, self.right, strict=True)
+        ]
+
+    def mean_square(self, taps: Sequence[Decimal]) -> Decimal:
+        squares = (r * r for r in self.residuals(taps))
+        total = sum((w * s for w, s in zip(self.weights, squares, strict=True)), Decimal(0))
+        return total / sum(self.weights)
+
+    def worst(self, taps: Sequence[Decimal]) -> tuple[Decimal, Fraction]:
+        return max((abs(r), f) for r, f in zip(self.residuals(taps), self.hertz, strict=True))
+
+
+def fit(
+    balance: Balance,
+    history: int,
+    band: Band,
+    sample_rate: Fraction,
+    denominator_bits: int = DENOMINATOR_BITS,
+) -> Fit:
+    """Least-squares taps over a band, and the best rounding of them.
+
+    Args:
+        balance: the sensor.
+        history: p.
+        band: the band and its weight, at or below half the sample rate.
+        sample_rate: Hz.
+        denominator_bits: taps are integers over 2^denominator_bits.
+
+    Raises:
+        InputError: too many taps, no tap, a filter that passes nothing in the band, or a weight
+            that is zero all over it.
+    """
+    count = _checked_count(balance, history)
+    digits = 60 + 10 * count
+    with localcontext() as context:
+        context.prec = digits
+        points = _points(balance, count, band, sample_rate)
+        form, right = _normal_equations(points)
+        reals = _solve(form, right)
+        return _rounded(points, form, reals, denominator_bits)
+
+
+def round_taps(
+    reals: Sequence[Fraction],
+    balance: Balance,
+    band: Band,
+    sample_rate: Fraction,
+    denominator_bits: int,
+) -> Fit:
+    """The best rounding of given taps: the least weighted mean square change of (B1) over a band.
+
+    Raises:
+        InputError: a filter that passes nothing in the band.
+    """
+    with localcontext() as context:
+        context.prec = 60 + 10 * len(reals)
+        points = _points(balance, len(reals), band, sample_rate)
+        form, _ = _normal_equations(points)
+        return _rounded(points, form, [exact(x) for x in reals], denominator_bits)
+
+
+def _checked_count(balance: Balance, history: int) -> int:
+    count = balance.distances(history)
+    if count < 1:
+        raise InputError(
+            "algorithm.samples + algorithm.history: 1 sample gives no cross product, give"
+            " samples + history >= 2"
+        )
+    if count > MAX_TAPS:
+        extra = balance.samples + history - count
+        raise InputError(
+            f"algorithm.samples + algorithm.history: {balance.samples + history} is too large for"
+            f" a least-squares fit, give a sum up to {MAX_TAPS + extra}"
+        )
+    return count
+
+
+def _points(balance: Balance, count: int, band: Band, sample_rate: Fraction) -> _Points:
+    """Quadrature points over the band, several to each ripple of the fastest term.
+
+    The residual's square ripples at most as sin² of (count + 1 + n) λ.
+    """
+    highest = count + 1 + balance.samples
+    width = band.high_hz - band.low_hz
+    widest = min(sample_rate / (4 * highest), width / 16)
+    points = _Points([], [], [], [])
+    offset = exact(Fraction(3, 5)).sqrt() / 2
+    for low, high in band.panels(widest):
+        for share, place in zip(_NODES, (-offset, Decimal(0), offset), strict=True):
+            hertz = low + (high - low) * (Fraction(1, 2) + Fraction(place))
+            weight = band.weight(hertz) * exact(share * (high - low))
+            phase = 2 * pi() * exact(hertz / sample_rate)
+            row, right = balance.terms(phase, count)
+            points.rows.append(row)
+            points.right.append(right)
+            points.weights.append(weight)
+            points.hertz.append(hertz)
+    if not any(points.weights):
+        raise InputError("algorithm.band: the weight is zero everywhere, give some that is not")
+    _check_response(balance.response, [band.low_hz, *points.hertz, band.high_hz], sample_rate)
+    return points
+
+
+def _check_response(response: Response, hertz: Sequence[Fraction], sample_rate: Fraction) -> None:
+    """See that the filter passes something everywhere in the band, between the points too.
+
+    Raises:
+        InputError: naming the frequency where it does not.
+    """
+
+    def power(frequency: Fraction) -> Decimal:
+        return response.power(2 * pi() * exact(frequency / sample_rate))
+
+    with localcontext() as context:
+        context.prec = 30
+        powers = [power(f) for f in hertz]
+        for i, value in enumerate(powers):
+            before, after = max(i - 1, 0), min(i + 1, len(powers) - 1)
+            if value > min(powers[before], powers[after]):
+                continue
+            low, high = hertz[before], hertz[after]
+            for _ in range(20 if response.stages else 0):  # a dip: down to its bottom
+                third = (high - low) / 3
+                if power(low + third) < power(high - third):
+                    high -= third
+                else:
+                    low += third
+            bottom = (low + high) / 2
+            if power(bottom) < LEAST_RESPONSE**2:
+                raise InputError(
+                    f"algorithm.band: the filter passes less than {LEAST_RESPONSE * 100:.0f} % at"
+                    f" {float(bottom):.4g} Hz, so nothing is left to correct with; give a band"
+                    " where it passes more"
+                )
+
+
+def _normal_equations(points: _Points) -> tuple[Matrix, list[Decimal]]:
+    """Mean of row rowᵀ and of row·right: the quadratic form of the mean square residual."""
+    total = sum(points.weights)
+    count = len(points.rows[0])
+    weighted = [[w * x for x in row] for w, row in zip(points.weights, points.rows, strict=True)]
+    form = [[Decimal(0)] * count for _ in range(count)]
+    for i in range(count):
+        for j in range(i + 1):
+            value = sum(
+                (v[i] * row[j] for v, row in zip(weighted, points.rows, strict=True)), Decimal(0)
+            )
+            form[i][j] = form[j][i] = value / total
+    right = [
+        sum((v[i] * r for v, r in zip(weighted, points.right, strict=True)), Decimal(0)) / total
+        for i in range(count)
+    ]
+    return form, right
+
+
+def _solve(form: Matrix, right: list[Decimal]) -> list[Decimal]:
+    """form x = right by Cholesky; the digits in hand are far more than its condition takes."""
+    size = len(right)
+    lower = [[Decimal(0)] * size for _ in range(size)]
+    for i in range(size):
+        for j in range(i + 1):
+            rest = form[i][j] - sum((lower[i][k] * lower[j][k] for k in range(j)), Decimal(0))
+            lower[i][j] = rest.sqrt() if i == j else rest / lower[j][j]
+    x: list[Decimal] = []
+    for i in range(size):
+        x.append((right[i] - sum((lower[i][k] * x[k] for k in range(i)), Decimal(0))) / lower[i][i])
+    for i in reversed(range(size)):
+        x[i] = (x[i] - sum((lower[k][i] * x[k] for k in range(i + 1, size)), Decimal(0))) / lower[
+            i
+        ][i]
+    return x
+
+
+def _rounded(points: _Points, form: Matrix, reals: list[Decimal], bits: int) -> Fit:
+    """Reals to integers over 2^bits: the closest in the form, kept from wandering off in it.
+
+    Where the form is nearly flat, far-off integers would fit as well as near ones; a cost on every
+    tap, at first a share of the fit's own residual, is raised until they stay near.
+    """
+    unit = Decimal(2) ** -bits
+    mean_square = points.mean_square(reals)
+    guard = ROUNDING_SHARE * mean_square / (len(reals) * unit * unit)
+    guard = max(guard, form[0][0].scaleb(-40))
+    target = [x / unit for x in reals]
+    furthest = max(FURTHEST_MOVE / unit, Decimal(FURTHEST_UNITS))
+    while True:
+        guarded = [
+            [value + (guard if i == j else 0) for j, value in enumerate(row)]
+            for i, row in enumerate(form)
+        ]
+        integers = closest_integers(guarded, target)
+        if max(abs(k - x) for k, x in zip(integers, target, strict=True)) <= furthest:
+            break
+        guard *= 16
+    rounded = [k * unit for k in integers]
+    plain = [nearest(x) * unit for x in target]
+    worst, worst_hz = points.worst(rounded)
+    return Fit(
+        tuple(reals),
+        tuple(integers),
+        bits,
+        rms_real=float(mean_square.sqrt()),
+        rms_rounded=float(points.mean_square(rounded).sqrt()),
+        rms_nearest=float(points.mean_square(plain).sqrt()),
+        worst_real=float(points.worst(reals)[0]),
+        worst_rounded=float(worst),
+        worst_hz=float(worst_hz),
+    )

@@ -1,0 +1,62 @@
+"""The design file, validated whole, and everything that follows from it in exact integers.
+
+`Design` is the file; `word_lengths` says how wide each number must be so that no input can
+overflow; `Result` and the column names say what a core hands over each major interval.
+It imports `algorithms`.
+"""
+
+from sculler_model.design.design import Design
+from sculler_model.design.hardware import Hardware
+from sculler_model.design.names import name_fault
+from sculler_model.design.presets import PRESETS
+from sculler_model.design.result import (
+    AXES,
+    COLUMNS,
+    COMPONENTS,
+    HIGH_RESOLUTION_COLUMNS,
+    HIGH_RESOLUTION_VECTORS,
+    STATUS_BITS,
+    STATUS_FAULT,
+    STATUS_LOST,
+    STATUS_RAIL,
+    STATUS_SHORT_HISTORY,
+    VECTORS,
+    Result,
+    columns_of,
+)
+from sculler_model.design.word_lengths import (
+    MAX_BITS,
+    ZERO_RANGE,
+    Interval,
+    WordLengths,
+    cross_range,
+    range_of_sum,
+    word_lengths,
+)
+
+__all__ = [
+    "AXES",
+    "COLUMNS",
+    "COMPONENTS",
+    "HIGH_RESOLUTION_COLUMNS",
+    "HIGH_RESOLUTION_VECTORS",
+    "MAX_BITS",
+    "PRESETS",
+    "STATUS_BITS",
+    "STATUS_FAULT",
+    "STATUS_LOST",
+    "STATUS_RAIL",
+    "STATUS_SHORT_HISTORY",
+    "VECTORS",
+    "ZERO_RANGE",
+    "Design",
+    "Hardware",
+    "Interval",
+    "Result",
+    "WordLengths",
+    "columns_of",
+    "cross_range",
+    "name_fault",
+    "range_of_sum",
+    "word_lengths",
+]

@@ -1,0 +1,246 @@
+"""`Design`: the one object that carries a design's parameters to model, hardware and host.
+
+A design file (TOML, docs/reference/design-file.md) is validated whole: every fault is named by its
+key and its allowed range, and all faults are reported together.  Its tables are `sensor`,
+`algorithm` (with `options`) and `hardware`; `reading` puts presets in and faults into words.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, ValidationError, ValidationInfo, field_validator
+
+from sculler_model.algorithms import Made, TapTable, make
+from sculler_model.design.algorithm import Algorithm, recipe_of, require_narrow, tap_table_of
+from sculler_model.design.hardware import Hardware
+from sculler_model.design.history import reaches, short_samples
+from sculler_model.design.names import name_fault
+from sculler_model.design.options import with_measured_points
+from sculler_model.design.reading import fault_of, with_preset
+from sculler_model.design.result import HIGH_RESOLUTION_VECTORS, VECTORS, columns_of, components_of
+from sculler_model.design.sensor import Sensor
+from sculler_model.design.word_lengths import WordLengths, word_lengths
+from sculler_model.errors import InputError
+from sculler_model.inputs import read_small
+from sculler_model.schema import Part
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+
+class Design(Part):
+    """A complete, valid design.
+
+    Build one with `Design.load` (file), `Design.parse` (mapping) or `Design.preset`.
+    Everything derived is an attribute: `table`, `words`, `samples_per_major`, scales and rates.
+    """
+
+    name: Annotated[str, Field(description="a Verilog name: letters, digits, single _")]
+    sensor: Annotated[Sensor, Field(description="a table")]
+    algorithm: Annotated[Algorithm, Field(description="a table")]
+    hardware: Annotated[Hardware, Field(description="a table", validate_default=True)] = Hardware()
+
+    @field_validator("name")
+    @classmethod
+    def _name_is_usable(cls, name: str) -> str:
+        said = name_fault(name)
+        if said is not None:
+            raise ValueError(f"{name!r} {said}")
+        return name
+
+    @field_validator("algorithm")
+    @classmethod
+    def _family_fits_sensor(cls, algorithm: Algorithm, info: ValidationInfo) -> Algorithm:
+        sensor = info.data.get("sensor")
+        if sensor is None:
+            return algorithm
+        table = tap_table_of(sensor, algorithm)
+        require_narrow(table, sensor, algorithm)
+        if algorithm.position == "high-resolution":
+            if sensor.kind != "increment":
+                raise InputError(
+                    'algorithm.position: "high-resolution" is not possible with sensor.kind ='
+                    f' "{sensor.kind}", give sensor.kind = "increment" or leave it out'
+                )
+            if table.sum_denominator != 1 or table.weights != (1,) * table.samples + (0,):
+                raise InputError(
+                    'algorithm.position: "high-resolution" needs every sample of a minor interval'
+                    " to count once, leave out algorithm.table.weights or position"
+                )
+        return algorithm
+
+    @classmethod
+    def load(cls, path: str | Path) -> Design:
+        """Read and validate a design file.
+
+        Raises:
+            InputError: the file cannot be read, is not TOML, or has faults; all are named.
+        """
+        path = Path(path)
+        text = read_small(path, "design file", "a design in TOML")
+        try:
+            data = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(f"{path}: not valid TOML: {error}") from error
+        except ValueError as error:  # Python's limit on the digits of a whole number
+            raise InputError(f"{path}: a number of too many digits, give fewer") from error
+        except RecursionError as error:
+            raise InputError(f"{path}: brackets too deep in each other, give a design") from error
+        return cls.parse(data, where=str(path), folder=path.parent)
+
+    @classmethod
+    def preset(cls, name: str, **algorithm: Any) -> Design:
+        """The design of a preset, with keys of [algorithm] replaced as given."""
+        return cls.parse({"preset": name, "algorithm": algorithm})
+
+    @classmethod
+    def parse(
+        cls, data: dict[str, Any], where: str = "design", folder: Path | None = None
+    ) -> Design:
+        """Validate a mapping of the design file's shape.
+
+        `preset`, at the top or in [sensor], fills in whatever the mapping leaves out.
+
+        Raises:
+            InputError: with every fault, each named by its key and allowed range.
+        """
+        faults: list[str] = []
+        data = with_preset(data, faults, where)
+        algorithm = data.get("algorithm")
+        if isinstance(algorithm, dict) and "filter" in algorithm:
+            try:
+                filters = with_measured_points(algorithm["filter"], folder or Path())
+            except InputError as error:
+                raise InputError(f"{where}: {error}") from error
+            data = {**data, "algorithm": {**algorithm, "filter": filters}}
+        design = None
+        try:
+            design = cls.model_validate(data)
+        except ValidationError as error:
+            # one fault a key: of the ways to read a value, the last one looked deepest
+            named = dict(fault_of(cls, details) for details in error.errors())
+            faults += [f"{key}: {fault}" for key, fault in named.items()]
+        if faults or design is None:
+            raise InputError(f"{where}: " + "; ".join(faults))
+        return design
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    @cached_property
+    def table(self) -> TapTable:
+        """The tap table, exact integers in lowest terms."""
+        return tap_table_of(self.sensor, self.algorithm)
+
+    @property
+    def made(self) -> Made:
+        """The computed table with what its family can tell of it: rounding, what is left.
+
+        Raises:
+            ValueError: family = "table", whose numbers are the user's own.
+        """
+        if self.algorithm.family == "table":
+            raise ValueError('family = "table" is the user\'s own and not computed')
+        return make(recipe_of(self.sensor, self.algorithm))
+
+    @cached_property
+    def words(self) -> WordLengths:
+        """Worst-case range of every quantity the core holds."""
+        return word_lengths(
+            self.sensor.gyro.bits,
+            self.sensor.accel.bits,
+            self.algorithm.minors,
+            self.table,
+            self.high_resolution,
+        )
+
+    @property
+    def drops_results(self) -> bool:
+        """Whether the core drops a result that waits rather than make samples wait for it."""
+        return self.hardware.overrun == "drop-result"
+
+    @property
+    def high_resolution(self) -> bool:
+        """Whether it hands over what high-resolution position needs."""
+        return self.algorithm.position == "high-resolution"
+
+    @cached_property
+    def vectors(self) -> tuple[str, ...]:
+        """Names of the vectors it hands over, in order."""
+        return (*VECTORS, *HIGH_RESOLUTION_VECTORS) if self.high_resolution else VECTORS
+
+    @cached_property
+    def components(self) -> tuple[str, ...]:
+        """Names of the vectors' components, in order."""
+        return components_of(self.vectors)
+
+    @cached_property
+    def columns(self) -> tuple[str, ...]:
+        """Names of everything it hands over, in order: `major`, `status` and the components."""
+        return columns_of(self.vectors)
+
+    @cached_property
+    def reaches(self) -> tuple[int, ...]:
+        """For each phase 1..n, how many samples before its own the oldest one lies that it uses."""
+        return reaches(self.table, self.high_resolution)
+
+    @cached_property
+    def short_samples(self) -> tuple[bool, ...]:
+        """For each sample t from reset, whether it uses one before sample 0; later ones do not.
+
+        A result is of short history (status bit 0) where one of its samples does.
+        """
+        return short_samples(self.table, self.high_resolution)
+
+    @cached_property
+    def short_majors(self) -> int:
+        """How many major intervals from reset are of short history (status bit 0).
+
+        A phase that reaches far enough back in some interval does so in every earlier one.
+        """
+        last = max((t for t, short in enumerate(self.short_samples) if short), default=-1)
+        return last // self.samples_per_major + 1
+
+    @property
+    def samples_per_major(self) -> int:
+        """Samples of a major interval, n * M."""
+        return self.algorithm.samples * self.algorithm.minors
+
+    @property
+    def sample_interval(self) -> float:
+        """T, seconds."""
+        return 1.0 / self.sensor.sample_rate_hz
+
+    @property
+    def major_interval(self) -> float:
+        """Seconds between results."""
+        return self.samples_per_major / self.sensor.sample_rate_hz
+
+    @property
+    def gyro_scale(self) -> float:
+        """g, rad per count of the products (rate sensors: LSB * T)."""
+        lsb = self.sensor.gyro.lsb
+        return lsb if self.sensor.kind == "increment" else lsb * self.sample_interval
+
+    @property
+    def accel_scale(self) -> float:
+        """a, m/s per count of the products (rate sensors: LSB * T)."""
+        lsb = self.sensor.accel.lsb
+        return lsb if self.sensor.kind == "increment" else lsb * self.sample_interval
+
+    def as_json(self) -> dict[str, Any]:
+        """The design as plain data, the form `parse` reads."""
+        return self.model_dump(mode="json", exclude_none=True)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the design's content."""
+        return hashlib.sha256(json.dumps(self.as_json(), sort_keys=True).encode()).hexdigest()

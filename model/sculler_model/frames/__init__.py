@@ -1,0 +1,68 @@
+"""Rotations and the Earth: quaternions, direction cosines, the WGS-84 ellipsoid.
+
+Arrays of any number of rotations at once.  It imports no other room.
+"""
+
+from sculler_model.frames.earth import (
+    EARTH_RATE,
+    ECCENTRICITY_SQUARED,
+    GRAVITY_EQUATOR,
+    SEMI_MAJOR_AXIS,
+    STANDARD_GRAVITY,
+    earth_rate,
+    gravity,
+    gravity_lean,
+    normal_gravity,
+    radii,
+    transport_rate,
+)
+from sculler_model.frames.rotation import (
+    AxisMap,
+    Quaternion,
+    Vector,
+    about_z,
+    conjugate,
+    cross,
+    euler_angles,
+    from_dcm,
+    from_euler,
+    from_rotation_vector,
+    normalised,
+    plus,
+    product,
+    rotate,
+    to_dcm,
+    to_euler,
+    to_rotation_vector,
+)
+
+__all__ = [
+    "EARTH_RATE",
+    "ECCENTRICITY_SQUARED",
+    "GRAVITY_EQUATOR",
+    "SEMI_MAJOR_AXIS",
+    "STANDARD_GRAVITY",
+    "AxisMap",
+    "Quaternion",
+    "Vector",
+    "about_z",
+    "conjugate",
+    "cross",
+    "earth_rate",
+    "euler_angles",
+    "from_dcm",
+    "from_euler",
+    "from_rotation_vector",
+    "gravity",
+    "gravity_lean",
+    "normal_gravity",
+    "normalised",
+    "plus",
+    "product",
+    "radii",
+    "rotate",
+    "to_dcm",
+    "to_euler",
+    "to_rotation_vector",
+    "transport_rate",
+]

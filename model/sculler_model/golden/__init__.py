@@ -1,0 +1,46 @@
+"""The golden model: the page in plain Python integers, and the core's ports clock by clock.
+
+`GoldenModel` is the reference for every other way to the same integers; `CycleModel` says what each
+output port does on every clock.  There is no numpy here.  It imports `algorithms` and `design`.
+"""
+
+from sculler_model.golden.cycles import (
+    COUNTER_BITS,
+    COUNTER_MAX,
+    PORT_MAJOR_BITS,
+    CycleModel,
+    Dropping,
+    Ports,
+    Timing,
+    result_ports,
+)
+from sculler_model.golden.reference import GoldenModel, Sample, check_widths
+from sculler_model.golden.stream import (
+    WORD_BITS,
+    from_words,
+    to_words,
+    words_per_column,
+    words_per_result,
+)
+from sculler_model.golden.throughput import clocks_per_major, clocks_per_minor
+
+__all__ = [
+    "COUNTER_BITS",
+    "COUNTER_MAX",
+    "PORT_MAJOR_BITS",
+    "WORD_BITS",
+    "CycleModel",
+    "Dropping",
+    "GoldenModel",
+    "Ports",
+    "Sample",
+    "Timing",
+    "check_widths",
+    "clocks_per_major",
+    "clocks_per_minor",
+    "from_words",
+    "result_ports",
+    "to_words",
+    "words_per_column",
+    "words_per_result",
+]

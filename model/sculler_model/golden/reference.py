@@ -1,0 +1,169 @@
+"""The reference model: the high-rate algorithm in plain integers.
+
+It is written to be held against the page (docs/explanation/theory.md) line by line.  It knows
+nothing of the hardware and is not fast; `sculler_model.fast` is its fast twin and is tested equal
+to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from sculler_model.algorithms import ZERO, HighResolution, Vec, cross, plus, times, whole_numbers
+from sculler_model.design import (
+    AXES,
+    STATUS_FAULT,
+    STATUS_LOST,
+    STATUS_RAIL,
+    STATUS_SHORT_HISTORY,
+    Design,
+    Interval,
+    Result,
+    WordLengths,
+)
+from sculler_model.errors import InputError
+
+Sample = tuple[Vec, Vec, int]
+"""One six-axis reading: gyro counts, accelerometer counts, fault flag (0 or 1)."""
+
+
+def check_widths(words: WordLengths, t: int, counts: Sequence[int]) -> None:
+    """See that the six counts of sample t (gyro x, y, z, accelerometer x, y, z) fit the sensors.
+
+    Raises:
+        InputError: naming the first that does not.
+    """
+    for column, count in enumerate(counts):
+        name, allowed = ("gyro", words.gyro) if column < 3 else ("accel", words.accel)
+        if count not in allowed:
+            raise InputError(
+                f"sample {t}: {name}_{AXES[column % 3]} = {count} does not fit"
+                f" {allowed.bits} bits, give {allowed.lo} to {allowed.hi}"
+            )
+
+
+def at_rail(counts: Vec, allowed: Interval) -> bool:
+    """Whether a count is the most negative or the most positive one that its sensor can send."""
+    return any(count in (allowed.lo, allowed.hi) for count in counts)
+
+
+class GoldenModel:
+    """Exact coning/sculling accumulators for one design.
+
+    Feed samples one at a time with `step`; it returns the major interval's `Result` on the
+    interval's last sample, else None.  Sample history runs on across intervals until `reset`.
+    Where a sample was lost between two of them, say so with `lose`.
+    """
+
+    def __init__(self, design: Design) -> None:
+        self.design = design
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything: the next sample is the first, the next major interval is 0."""
+        self.t = 0  # running number of the next sample
+        self.s: list[Vec] = []  # gyro counts, newest last
+        self.r: list[Vec] = []  # accelerometer counts, newest last
+        self.position = HighResolution() if self.design.high_resolution else None
+        self.major = 0
+        self._clear()
+
+    def _clear(self) -> None:
+        self.status = 0
+        self.alpha = self.coning_within = self.coning_between = ZERO
+        self.nu = self.sculling_within = self.sculling_between = ZERO
+        if self.position is not None:
+            self.position.clear()
+
+    def _weighted_sum(self, coefficients: Iterable[tuple[int, int]], counts: list[Vec]) -> Vec:
+        """Sum of c * counts[t-d] over pairs (d, c); samples before the first one are zero."""
+        terms = [times(c, counts[-1 - d]) for d, c in coefficients if c and d <= self.t]
+        return plus(ZERO, *terms)
+
+    def lose(self) -> None:
+        """A sample was offered and not taken: it marks the interval of the next one taken."""
+        self.status |= STATUS_LOST
+
+    def step(self, gyro: Vec, accel: Vec, fault: int = 0) -> Result | None:
+        """Take the sample of time t.
+
+        Args:
+            gyro, accel: integer counts within the design's widths (signed), of any integer type.
+            fault: 1 marks the interval's status, as a count at either end of its width does.
+
+        Raises:
+            InputError: a count is no whole number, or does not fit the sensor's width.
+        """
+        gyro = whole_numbers(f"sample {self.t}: gyro", gyro)
+        accel = whole_numbers(f"sample {self.t}: accel", accel)
+        table, words = self.design.table, self.design.words
+        check_widths(words, self.t, (*gyro, *accel))
+        self.s.append(gyro)
+        self.r.append(accel)
+        if fault:
+            self.status |= STATUS_FAULT
+        if at_rail(gyro, words.gyro) or at_rail(accel, words.accel):
+            self.status |= STATUS_RAIL
+        if any(self.design.short_samples[self.t : self.t + 1]):
+            self.status |= STATUS_SHORT_HISTORY
+
+        self._every_sample(gyro, accel)
+        result = None
+        if (self.t + 1) % table.samples == 0:
+            self._every_minor_end()
+        if (self.t + 1) % self.design.samples_per_major == 0:
+            result = self._every_major_end()
+
+        self.t += 1
+        del self.s[: -table.history - 1], self.r[: -table.history - 1]
+        return result
+
+    def _every_sample(self, gyro: Vec, accel: Vec) -> None:
+        table = self.design.table
+        k = self.t % table.samples + 1  # phase in the minor interval, 1..n
+        row = list(enumerate(table.taps[k - 1], start=1))
+        A = self._weighted_sum(row, self.s)
+        B = self._weighted_sum(row, self.r)
+        self.coning_within = plus(self.coning_within, cross(A, gyro))
+        self.sculling_within = plus(self.sculling_within, cross(A, accel), cross(B, gyro))
+        if self.position is not None:
+            self.position.step(gyro, accel)
+
+    def _every_minor_end(self) -> None:
+        weights = list(enumerate(self.design.table.weights))
+        theta = self._weighted_sum(weights, self.s)
+        v = self._weighted_sum(weights, self.r)
+        self.coning_between = plus(self.coning_between, cross(self.alpha, theta))
+        self.sculling_between = plus(
+            self.sculling_between, cross(self.alpha, v), cross(self.nu, theta)
+        )
+        self.alpha = plus(self.alpha, theta)
+        self.nu = plus(self.nu, v)
+
+    def _every_major_end(self) -> Result:
+        result = Result(
+            self.major,
+            self.status,
+            self.alpha,
+            self.coning_within,
+            self.coning_between,
+            self.nu,
+            self.sculling_within,
+            self.sculling_between,
+        )
+        if self.position is not None:
+            result = result._replace(
+                s_alpha=self.position.s_alpha,
+                s_nu=self.position.s_nu,
+                scrolling=self.position.scrolling,
+            )
+        self.major += 1
+        self._clear()
+        return result
+
+    def run(self, samples: Iterable[Sample]) -> Iterator[Result]:
+        """Results of all complete major intervals of a sequence of samples."""
+        for gyro, accel, fault in samples:
+            result = self.step(gyro, accel, fault)
+            if result is not None:
+                yield result

@@ -1,0 +1,36 @@
+"""What the host makes of a core's integers: Φ, α, ΔV_SF and ΔR_SF of each major interval.
+
+`major_increments` is the whole of it.  It imports `algorithms`, `design`, `fast` and `frames`.
+"""
+
+from sculler_model.host.increments import (
+    MajorIncrements,
+    ThirdOrder,
+    displacement,
+    half_minus_cosine,
+    major_increments,
+    one_minus_cosine,
+    one_minus_sine,
+    position_rotation,
+    second_order_corrections,
+    third_order_terms,
+    uncorrected,
+    velocity_higher_orders,
+    velocity_rotation,
+)
+
+__all__ = [
+    "MajorIncrements",
+    "ThirdOrder",
+    "displacement",
+    "half_minus_cosine",
+    "major_increments",
+    "one_minus_cosine",
+    "one_minus_sine",
+    "position_rotation",
+    "second_order_corrections",
+    "third_order_terms",
+    "uncorrected",
+    "velocity_higher_orders",
+    "velocity_rotation",
+]

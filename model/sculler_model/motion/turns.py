@@ -1,0 +1,89 @@
+"""Attitude as a product of turns about fixed axes: quaternion, rate and angular acceleration."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sculler_model.frames import Vector, conjugate, cross, product, rotate
+from sculler_model.motion.curves import Array, Curve, Smooth
+
+Triple = tuple[Array, Array, Array]
+Four = tuple[Array, Array, Array, Array]
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A rotation about a fixed axis by an angle that is a function of time.
+
+    Attributes:
+        axis: unit vector.
+        angle: rad.
+    """
+
+    axis: Vector
+    angle: Smooth
+
+
+X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def coning_turns(half_angle: float, omega: float) -> tuple[Turn, Turn, Turn]:
+    """Classical coning as turns: the rotation vector half_angle·(cos Ωt, sin Ωt, 0)."""
+    spin = Curve((0.0, omega))
+    back = Curve((0.0, -omega))
+    return Turn(Z, spin), Turn(X, Curve((half_angle,))), Turn(Z, back)
+
+
+def steady_attitude(roll: float, pitch: float, heading: float) -> tuple[Turn, Turn, Turn]:
+    """Constant Euler angles (rad) as turns."""
+    return euler_turns(Curve((roll,)), Curve((pitch,)), Curve((heading,)))
+
+
+def euler_turns(roll: Smooth, pitch: Smooth, heading: Smooth) -> tuple[Turn, Turn, Turn]:
+    """Euler angles (rad) as turns: heading outermost, then pitch, then roll."""
+    return Turn(Z, heading), Turn(Y, pitch), Turn(X, roll)
+
+
+def attitude(turns: Sequence[Turn], t: Array) -> tuple[Four, Triple]:
+    """Product of the turns, first one outermost, and its angular rate.
+
+    Args:
+        turns: rotations; the product takes body components to the reference frame.
+        t: (N,) times, s.
+
+    Returns:
+        Quaternion (four arrays), and the rate (rad/s) of the body against the reference frame in
+        the body frame (three arrays).
+    """
+    q, rate, _ = attitude_jet(turns, t)
+    return q, rate
+
+
+def attitude_jet(turns: Sequence[Turn], t: Array) -> tuple[Four, Triple, Triple]:
+    """As `attitude`, and the derivative of the rate (rad/s²), component by component."""
+    one, zero = np.ones_like(t), np.zeros_like(t)
+    q: Four = (one, zero, zero, zero)
+    rate: Triple = (zero, zero, zero)
+    change: Triple = (zero, zero, zero)
+    for turn in turns:
+        angle, speed, gain = turn.angle.jet(t)
+        sine = np.sin(0.5 * angle)
+        x, y, z = turn.axis
+        step: Four = (np.cos(0.5 * angle), x * sine, y * sine, z * sine)
+        back = conjugate(step)
+        q = product(q, step)
+        old_x, old_y, old_z = rotate(back, rate)
+        own = (x * speed, y * speed, z * speed)
+        # in the new axes, which turn by `own`, what stood before turns the other way
+        swing_x, swing_y, swing_z = cross((old_x, old_y, old_z), own)
+        was_x, was_y, was_z = rotate(back, change)
+        change = (
+            was_x + swing_x + x * gain,
+            was_y + swing_y + y * gain,
+            was_z + swing_z + z * gain,
+        )
+        rate = (old_x + own[0], old_y + own[1], old_z + own[2])
+    return q, rate, change

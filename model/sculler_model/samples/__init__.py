@@ -1,0 +1,26 @@
+"""Samples of sensors: when they are, how they become counts, and which counts no sensor gives.
+
+`Quantiser` makes counts of increments, `Resampler` even steps of uneven ones, `Plausibility` sees
+stuck counts, rails and spikes; the functions of instants are the one definition of when a sample
+and an interval are.  It imports `algorithms` and `design`.
+"""
+
+from sculler_model.samples.instants import end_after_stamp, interval_end, interval_ends, stamp
+from sculler_model.samples.plausibility import Finding, Plausibility, told
+from sculler_model.samples.quantiser import Quantiser
+from sculler_model.samples.resampler import Gridded, Kind, Resampler, lagrange_weights
+
+__all__ = [
+    "Finding",
+    "Gridded",
+    "Kind",
+    "Plausibility",
+    "Quantiser",
+    "Resampler",
+    "end_after_stamp",
+    "interval_end",
+    "interval_ends",
+    "lagrange_weights",
+    "stamp",
+    "told",
+]

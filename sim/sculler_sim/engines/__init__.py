@@ -1,0 +1,1 @@
+"""The simulators, and the cache of what they compile."""

@@ -1,0 +1,1 @@
+"""Studies that write pages of docs/ or measure speeds; not part of the installed package."""
