@@ -138,7 +138,7 @@ def test_every_block_is_named_once_where_it_stands(name):
     groups = generated.manifest.blocks
     instances = re.findall(r"MULT18X18D #\(.*?\) \\(\S+)", generated.verilog, re.DOTALL)
     assert sorted(f"{block}.block" for group in groups for block in group) == sorted(instances)
-    assert len(instances) == generated.manifest.multipliers
+    assert len(instances) == generated.manifest.resources["multipliers"]
     for group in groups:
         assert len({block.partition(".")[0] for block in group}) == 1
 

@@ -7,9 +7,11 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import FrozenInstanceError
 
 import pytest
 
+import sculler_hdl
 from sculler_hdl import describe_ports, generate
 from sculler_model.design import COLUMNS, Design
 from sculler_sim.engines.verilator_build import emitted
@@ -139,3 +141,36 @@ def test_same_design_same_bytes_in_another_process(tmp_path):
             check=True,
         )
         assert run.stdout == made.verilog + json.dumps(made.manifest.as_json())
+
+
+def test_what_is_done_to_a_manifest_leaves_the_next_one_alone():
+    """`generate` is cached."""
+    manifest = generate(DESIGNS["smallest"]).manifest
+    text = json.dumps(manifest.as_json())
+    shown = manifest.as_json()
+    shown["ports"][0]["name"] = "spoilt"
+    shown["resources"]["blocks"][0].clear()
+    shown["design"].clear()
+    with pytest.raises(TypeError):
+        manifest.resources["multipliers"] = 0
+    with pytest.raises(FrozenInstanceError):
+        manifest.latency_clocks = 0
+    assert json.dumps(generate(DESIGNS["smallest"]).manifest.as_json()) == text
+
+
+def test_every_name_of_the_face_is_there():
+    for name in sculler_hdl.__all__:
+        assert getattr(sculler_hdl, name) is not None
+    assert set(sculler_hdl.__all__) <= set(dir(sculler_hdl))
+    with pytest.raises(AttributeError, match="no attribute 'core_of'"):
+        sculler_hdl.core_of  # noqa: B018
+
+
+def test_a_plan_needs_no_amaranth():
+    script = (
+        "import sys; sys.modules['amaranth'] = None; from sculler_hdl import timing;"
+        "from sculler_model.design import Design;"
+        "print(timing(Design.preset('stim300')).latency)"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout == "17\n"

@@ -481,7 +481,7 @@ def test_the_same_again_comes_from_the_cache(runs, monkeypatch):
 def test_an_area_estimate_for_xilinx(tools, product, monkeypatch, tmp_path):
     """One multiplication of 16 x 16 bits whose registers all fit into its block."""
     monkeypatch.setenv("SCULLER_CACHE", str(tmp_path))
-    clocks = {"latency_clocks": 3, "clocks_per_minor": 1, "clocks_per_major": 1, "resources": {}}
+    clocks = {"latency_clocks": 3, "clocks_per_minor": 1, "clocks_per_major": 1, "blocks": None}
     made = replace(product, manifest=replace(product.manifest, **clocks))
     monkeypatch.setattr(placement, "generate", lambda _: made)
     found = place(small("product"), DEVICES["xc7"])

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
+from types import MappingProxyType
 from typing import Any
 
+from sculler_hdl.core import Core
 from sculler_hdl.plan.ports import Port, clock_ports, core_ports
 from sculler_model.design import Design
 from sculler_model.golden import (
@@ -27,10 +30,9 @@ class Manifest:
         timing: its clocks, as the handshake contract (`sculler_model.golden`) has them.
         latency_clocks: from an interval's last sample to `result_valid`.
         clocks_per_minor, clocks_per_major: in the long run, at the fastest.
-        multipliers: multiplier blocks.
-        blocks: names of those blocks in groups, those next to each other whose products are added
-            first; empty for the compact core.
-        resources: all figures of what it takes, by name; `multipliers` and `blocks` among them.
+        resources: figures of what it takes, by name.
+        blocks: names of the multiplier blocks in groups, those next to each other whose products
+            are added first; None where it does not matter, as with the compact core.
         verilog_sha256: of the Verilog text.
     """
 
@@ -40,21 +42,14 @@ class Manifest:
     latency_clocks: int
     clocks_per_minor: int
     clocks_per_major: int
-    resources: dict[str, Any]
+    resources: Mapping[str, int]
+    blocks: tuple[tuple[str, ...], ...] | None
     verilog_sha256: str
 
     @property
     def name(self) -> str:
         """Of the Verilog module."""
         return self.design.name
-
-    @property
-    def multipliers(self) -> int:
-        return int(self.resources["multipliers"])
-
-    @property
-    def blocks(self) -> list[list[str]]:
-        return [list(group) for group in self.resources.get("blocks", [])]
 
     def as_json(self) -> dict[str, Any]:
         """As it stands in the file, in its order: a copy that may be changed.
@@ -64,6 +59,9 @@ class Manifest:
         the SHA-256 of design and Verilog text.
         """
         design = self.design
+        resources: dict[str, Any] = dict(self.resources)
+        if self.blocks is not None:
+            resources["blocks"] = [list(group) for group in self.blocks]
         return {
             "name": self.name,
             "design": design.as_json(),
@@ -82,7 +80,7 @@ class Manifest:
             "clocks_per_minor": self.clocks_per_minor,
             "clocks_per_major": self.clocks_per_major,
             "timing": asdict(self.timing),
-            "resources": {**self.resources, **({"blocks": self.blocks} if self.blocks else {})},
+            "resources": resources,
             "stream": _stream(design),
             "word_lengths": {
                 name: {"bits": interval.bits, "min": interval.lo, "max": interval.hi}
@@ -95,10 +93,9 @@ class Manifest:
         }
 
 
-def make_manifest(
-    design: Design, timing: Timing, resources: dict[str, Any], verilog_sha256: str
-) -> Manifest:
-    """The manifest of a core with these clocks and figures."""
+def make_manifest(core: Core, verilog_sha256: str) -> Manifest:
+    """The manifest of a core whose Verilog text has this checksum."""
+    design, timing = core.design, core.timing
     return Manifest(
         design,
         module_ports(design),
@@ -106,7 +103,8 @@ def make_manifest(
         timing.latency,
         clocks_per_minor(design, timing),
         clocks_per_major(design, timing),
-        resources,
+        MappingProxyType(dict(core.resources)),
+        core.blocks,
         verilog_sha256,
     )
 

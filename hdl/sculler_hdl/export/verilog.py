@@ -62,7 +62,7 @@ def generate(design: Design) -> Generated:
     body = _tidy(_yosys(_WRITE, flat, design.name), ports)
     verilog = _header(design, core.timing, ports) + body
     checksum = hashlib.sha256(verilog.encode()).hexdigest()
-    manifest = make_manifest(design, core.timing, core.resources, checksum)
+    manifest = make_manifest(core, checksum)
     return Generated(verilog, manifest, _cells(verilog), core.listing)
 
 

@@ -52,6 +52,7 @@ class PipelinedCore(wiring.Component):
         plan: what it is built of.
         timing: clocks it takes.
         resources: the plan's figures, for the manifest.
+        blocks: names of its multiplier blocks in groups (`Schedule.blocks`).
         listing: None, there is no schedule to read.
 
     Raises:
@@ -69,6 +70,7 @@ class PipelinedCore(wiring.Component):
         stream = design.hardware.handover == "stream"
         self.handover: HandOver | StreamHandOver = (StreamHandOver if stream else HandOver)(made)
         self.resources = self.plan.resources
+        self.blocks = tuple(map(tuple, self.schedule.blocks))
         self.listing = None
         super().__init__(core_members(design))
 

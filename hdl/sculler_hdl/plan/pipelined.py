@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
-from typing import Any
 
 from sculler_hdl.plan.cross_array import FOLDINGS
 from sculler_hdl.plan.multiplier import RESIDUE_BITS
@@ -58,13 +57,9 @@ class PipelinedPlan:
         return sum(folding.units for folding in arrays if folding is not None)
 
     @property
-    def resources(self) -> dict[str, Any]:
-        """Figures for the manifest: blocks, product units, names of blocks by group."""
-        return {
-            "multipliers": self.tiles,
-            "product_units": self.units,
-            "blocks": self.schedule.blocks,
-        }
+    def resources(self) -> dict[str, int]:
+        """Figures for the manifest."""
+        return {"multipliers": self.tiles, "product_units": self.units}
 
 
 @lru_cache(maxsize=64)
