@@ -163,7 +163,7 @@ class PositionPlan:
         first: 3 s', which the array sees in an interval's first sample.
         array: the products.
         wholes: scrolling from scrolling/6, for each lane of the array.
-        tiles: multiplier blocks.
+        block_count: multiplier blocks.
         arrivals: for each vector, when the bits of its components are there.
         lanes: for each axis of scrolling, the component on the port.
     """
@@ -208,7 +208,7 @@ class PositionPlan:
             residue,
             SCROLLING,
         )
-        self.tiles = self.array.tiles
+        self.block_count = self.array.block_count
 
         (components,) = self.array.results.values()
         (total,) = self.array.totals.values()
