@@ -27,7 +27,7 @@ from sculler_model.analysis.advice import (
     advise,
     coning_drift,
     cost,
-    signed_digits,
+    signed_digit_count,
 )
 from sculler_model.analysis.closed_form import drift_rate
 from sculler_model.analysis.vibration import PROFILES, G, Mount, respond
@@ -47,7 +47,9 @@ CONED = Environment(half_angle=radians(0.1), hertz=50.0, peak_rate=radians(200))
 def test_signed_digits_are_the_hardwares() -> None:
     rng = random.Random(2)
     values = [*range(-300, 300), *(rng.randrange(-(2**40), 2**40) for _ in range(300))]
-    assert [signed_digits(v) for v in values] == [len(dot_product.signed_digits(v)) for v in values]
+    assert [signed_digit_count(v) for v in values] == [
+        len(dot_product.signed_digits(v)) for v in values
+    ]
 
 
 @pytest.mark.parametrize(
