@@ -5,7 +5,6 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.layout import is_one_of
-from sculler_hdl.plan.history import short_samples
 from sculler_model.design import Design
 
 
@@ -121,7 +120,7 @@ class Sequencer(wiring.Component):
 
     def _find_short(self, m: Module, accept: Value) -> None:
         """Whether a sample reaches back before the first one: its number after reset says so."""
-        short = short_samples(self.design)
+        short = self.design.short_samples
         if not any(short):
             return
         age = Signal(range(len(short) + 1))
