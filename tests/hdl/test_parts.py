@@ -321,6 +321,8 @@ ROWS = {
     "compressed": {3: [(1, 214), (2, 92), (3, 54)]},
     "weights": {3: [(0, 1), (1, 1), (2, 1), (3, 1)]},
     "dense": {1: [(1, 57)], 2: [(1, 57), (2, 33)]},
+    # sums that look alike, of samples that are taken up in different phases
+    "alike": {0: [(1, 3)], 2: [(2, 3)]},
     "mixed signs": {0: [(1, -5), (2, 7)], 1: [(1, 5), (3, -7)], 2: [(2, -1)], 3: []},
 }
 
