@@ -24,7 +24,7 @@ from sculler.plots.pictures import TimeAxis
 from sculler_model.design import Design
 from sculler_model.motion import Curve, Motion, Turn, X, spin_rock_size
 from sculler_model.navigation import navigation_errors
-from sculler_model.samples import end_after_stamp, interval_end, interval_ends, stamp
+from sculler_model.samples import end_after_stamp, interval_end, interval_ends, sample_stamp
 
 Run = Callable[..., Any]
 
@@ -417,7 +417,7 @@ def test_the_definition(
     design = Design.load(
         design_file(tmp_path, family, 1000.0, samples, minors, history, kind, more)
     )
-    assert (stamp(design, 0), stamp(design, 19)) == (first, last_sample)
+    assert (sample_stamp(design, 0), sample_stamp(design, 19)) == (first, last_sample)
     assert interval_end(design, 1) == pytest.approx(end, abs=1e-16)
     assert interval_end(design, -1) == pytest.approx(end - 0.02, abs=1e-16)
     assert end_after_stamp(design) == pytest.approx(end - last_sample, abs=1e-16)

@@ -16,7 +16,7 @@ from sculler.formats.log import LogWriter
 from sculler_model.design import Design
 from sculler_model.frames import gravity
 from sculler_model.motion import at_rest
-from sculler_model.navigation import pull
+from sculler_model.navigation import gravity_at
 from sculler_model.samples import Quantiser
 
 Run = Callable[..., Any]
@@ -89,7 +89,7 @@ def test_a_table_in_any_order(tmp_path: Path) -> None:
     model = read_gravity_table(table)
     for lat, h in ((45.0, 0.0), (47.5, 4000.0), (50.0, 9000.0)):
         expected = gravity(sin(radians(lat)), h) + 1e-5 * lat
-        assert pull(model, sin(radians(lat)), h)[1] == pytest.approx(expected, abs=1e-12)
+        assert gravity_at(model, sin(radians(lat)), h)[1] == pytest.approx(expected, abs=1e-12)
 
 
 @pytest.mark.parametrize(

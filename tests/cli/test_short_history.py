@@ -16,7 +16,7 @@ from sculler.formats.truth import read_truth
 from sculler.formats.vectors import read_vectors
 from sculler_model.design import Design
 from sculler_model.host import MajorIncrements, major_increments
-from sculler_model.navigation import NavHistory, Navigator, navigation_errors, rows
+from sculler_model.navigation import NavHistory, Navigator, navigation_errors
 from sculler_model.samples import interval_end
 
 Run = Callable[..., Any]
@@ -108,7 +108,7 @@ def test_high_resolution_for_an_hour_at_rest(run: Run, tmp_path: Path) -> None:
     assert said["errors"]["position_m"]["horizontal"]["max"] < 1e-8
     found, true = carried(toml, vectors, truth)
     growth = cosh(3600 * sqrt(2 * 9.81 / (6.378e6)))
-    down = navigation_errors(found, rows(true, slice(1, None))).position[:, 2]
+    down = navigation_errors(found, true.rows(slice(1, None))).position[:, 2]
     assert abs(down[-1]) == pytest.approx(9.81 * 0.01**2 / 12 * growth, rel=0.05)
 
 

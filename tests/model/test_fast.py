@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import pairwise
 from typing import Any
-from unittest import mock
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from position_designs import HIGH_RESOLUTION, furthest
 from sculler_model.design import Design, Interval
 from sculler_model.errors import InputError
 from sculler_model.fast import FastModel, VectorBlock, component_dtype, run_fast
-from sculler_model.fast import twin as fast
+from sculler_model.fast import arithmetic as fast
 from sculler_model.golden import GoldenModel
 from strategies import DESIGNS, Counts, designs, make_design, random_counts
 
@@ -42,33 +41,32 @@ def assert_same(ours: VectorBlock, theirs: VectorBlock) -> None:
     assert ours.major.dtype == ours.status.dtype == np.int64
 
 
-def in_chunks(design: Design, counts: Counts, cuts: list[int], faults: Any = None) -> VectorBlock:
-    model = FastModel(design)
+def in_chunks(model: FastModel, counts: Counts, cuts: list[int], faults: Any = None) -> VectorBlock:
     edges = [0, *sorted(cuts), len(counts)]
     blocks = []
     for start, stop in pairwise(edges):
         part = None if faults is None else faults[start:stop]
         blocks.append(model.feed(counts[start:stop], part))
         assert model.samples == stop
-        assert model.leftover == stop % design.samples_per_major
+        assert model.leftover == stop % model.design.samples_per_major
     return VectorBlock.concatenate(blocks)
 
 
 @pytest.mark.parametrize("few_minors", [0, fast.FEW_MINORS, 4096])
 @pytest.mark.parametrize("name", [*DESIGNS, *HIGH_RESOLUTION])
 def test_equals_golden_for_named_designs(
-    name: str, few_minors: int, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+    name: str, few_minors: int, rng: np.random.Generator
 ) -> None:
-    monkeypatch.setattr(fast, "FEW_MINORS", few_minors)
-    monkeypatch.setattr(fast, "BLOCK", 50)
     design = (DESIGNS | HIGH_RESOLUTION)[name]
     span = design.samples_per_major
     counts = random_counts(design, 7 * span + span // 2 + 1, rng)
     faults = rng.random(len(counts)) < 0.5 / span
     expected = golden(design, counts, faults)
-    assert_same(run_fast(design, counts, faults), expected)
+    model = FastModel(design, block=50, few_minors=few_minors)
+    assert_same(model.feed(counts, faults), expected)
+    model.reset()
     cuts = rng.integers(0, len(counts), 9).tolist()
-    assert_same(in_chunks(design, counts, cuts, faults), expected)
+    assert_same(in_chunks(model, counts, cuts, faults), expected)
 
 
 @settings(max_examples=80, deadline=None)
@@ -80,8 +78,8 @@ def test_equals_golden_for_any_design(design: Design, data: st.DataObject) -> No
     counts = random_counts(design, min(majors * span + 3, 2000), rng)
     cuts = data.draw(st.lists(st.integers(0, len(counts)), max_size=6))
     few, block = data.draw(st.sampled_from([0, 16, 4096])), data.draw(st.integers(1, 400))
-    with mock.patch.object(fast, "FEW_MINORS", few), mock.patch.object(fast, "BLOCK", block):
-        assert_same(in_chunks(design, counts, cuts), golden(design, counts))
+    model = FastModel(design, block=block, few_minors=few)
+    assert_same(in_chunks(model, counts, cuts), golden(design, counts))
 
 
 @pytest.mark.parametrize(
@@ -133,7 +131,7 @@ def test_equals_golden_for_coefficients_of_hundreds_of_bits(
 def test_digits_are_used_where_a_component_can_pass_64_bits_and_only_there() -> None:
     for design in DESIGNS.values():
         wide = component_dtype(design).kind == "O"
-        assert (fast._digit_bits(design) < 64) == wide
+        assert (fast.digit_bits(design) < 64) == wide
     assert component_dtype(DESIGNS["wide_5p0"]).kind == "O"
     assert component_dtype(DESIGNS["stim300_4x5"]) == np.int64
 
@@ -142,9 +140,9 @@ def test_digits_are_used_where_a_component_can_pass_64_bits_and_only_there() -> 
 @pytest.mark.parametrize("width", [1, 2, 8, 9, 21, 22, 40])
 def test_digits_hold_every_number_of_a_word(bits: int, width: int) -> None:
     word = Interval.signed(width)
-    count = fast._length(word, bits)
+    count = fast.digit_count(word, bits)
     for number in (word.lo, word.lo + 1, -1, 0, word.hi // 3, word.hi):
-        digits = fast._digits(number, bits, count)
+        digits = fast.split_digits(number, bits, count)
         assert sum(digit << bits * i for i, digit in enumerate(digits)) == number
         assert all(0 <= digit < 1 << bits for digit in digits[:-1])
         assert digits[-1] in Interval.signed(bits + 1)
@@ -171,14 +169,14 @@ def test_digits_at_their_largest(minors: int, phases: list[int]) -> None:
 def test_one_sample_at_a_time(rng: np.random.Generator) -> None:
     design = DESIGNS["taylor_3p1"]
     counts = random_counts(design, 50, rng)
-    assert_same(in_chunks(design, counts, list(range(1, 50))), golden(design, counts))
+    assert_same(in_chunks(FastModel(design), counts, list(range(1, 50))), golden(design, counts))
 
 
 def test_several_blocks_at_full_size(rng: np.random.Generator) -> None:
     design = DESIGNS["late_sum_2"]
     counts = random_counts(design, 3 * fast.BLOCK // 2, rng)
     whole = run_fast(design, counts)
-    assert_same(in_chunks(design, counts, [fast.BLOCK - 7, fast.BLOCK + 1]), whole)
+    assert_same(in_chunks(FastModel(design), counts, [fast.BLOCK - 7, fast.BLOCK + 1]), whole)
     early = golden(design, counts[: 5 * design.samples_per_major])
     assert_same(VectorBlock(whole.major[:5], whole.status[:5], whole.components[:5]), early)
 
@@ -193,7 +191,7 @@ def test_any_integer_type_and_memory_order(dtype: str, rng: np.random.Generator)
     assert_same(run_fast(design, counts.astype(dtype)), expected)
     assert_same(run_fast(design, np.asfortranarray(counts.astype(dtype))), expected)
     assert_same(run_fast(design, np.repeat(counts.astype(dtype), 2, axis=0)[::2]), expected)
-    assert_same(in_chunks(design, counts.astype(dtype), [0, 3, 3, 20]), expected)
+    assert_same(in_chunks(FastModel(design), counts.astype(dtype), [0, 3, 3, 20]), expected)
     assert_same(run_fast(design, counts.tolist()), expected)
 
 
@@ -229,7 +227,7 @@ def test_faults_mark_their_interval_alone(rng: np.random.Generator) -> None:
     counts = counts.clip(-1000, 1000)  # away from the rails
     assert run_fast(design, counts, faults).status.tolist() == expected
     assert run_fast(design, counts, faults != 0).status.tolist() == expected
-    assert in_chunks(design, counts, [30, 59, 70], faults).status.tolist() == expected
+    assert in_chunks(FastModel(design), counts, [30, 59, 70], faults).status.tolist() == expected
 
 
 @pytest.mark.parametrize("dtype", [np.int16, np.int32, np.int64])
@@ -240,7 +238,7 @@ def test_a_count_at_either_end_of_its_own_width_marks_its_interval_alone(dtype: 
     counts[[21, 31, 40], [3, 4, 2]] = -256, 2046, 254
     expected = [4, 4, 0, 0, 0, 0, 4, 0, 0, 4, 0]
     assert run_fast(design, counts).status.tolist() == expected
-    assert in_chunks(design, counts, [1, 7, 8, 29, 43]).status.tolist() == expected
+    assert in_chunks(FastModel(design), counts, [1, 7, 8, 29, 43]).status.tolist() == expected
     assert golden(design, counts).status.tolist() == expected
 
 
@@ -372,8 +370,8 @@ def test_high_resolution_position_equals_golden(
     rng = np.random.default_rng(data.draw(st.integers(0, 2**32)))
     counts = random_counts(design, min(6 * span + 3, 1000), rng)
     cuts = data.draw(st.lists(st.integers(0, len(counts)), max_size=6))
-    with mock.patch.object(fast, "BLOCK", data.draw(st.integers(1, 400))):
-        assert_same(in_chunks(design, counts, cuts), golden(design, counts))
+    model = FastModel(design, block=data.draw(st.integers(1, 400)))
+    assert_same(in_chunks(model, counts, cuts), golden(design, counts))
 
 
 @pytest.mark.parametrize(("minors", "bits"), [(4096, (32, 32)), (1000, (32, 8)), (1, (32, 32))])

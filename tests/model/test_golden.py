@@ -254,6 +254,23 @@ class TestStatus:
         rows = [[0] * 6] * (6 * n * minors)
         assert [result.status for result in run(design, rows)] == [1] * short + [0] * (6 - short)
 
+    @pytest.mark.parametrize("name", [*DESIGNS, *HIGH_RESOLUTION])
+    def test_short_history_is_where_earlier_samples_would_make_a_difference(
+        self, name: str
+    ) -> None:
+        rng = np.random.default_rng(19680220)
+        design = (DESIGNS | HIGH_RESOLUTION)[name]
+        span = design.samples_per_major
+        lead = span * -(-max(design.table.history, 1) // span)
+        counts = random_counts(design, lead + span * 3, rng)
+        # the same samples after two pasts: vectors that differ have reached into the past
+        pasts = [random_counts(design, lead, rng) for _ in range(2)]
+        runs = [run(design, np.concatenate([past, counts]).tolist()) for past in pasts]
+        count = len(counts) // span
+        vectors = [[result[2:] for result in results[-count:]] for results in runs]
+        differ = [one != other for one, other in zip(*vectors, strict=True)]
+        assert [bool(r.status & 1) for r in run(design, counts.tolist())] == differ
+
     def test_a_fault_marks_its_own_interval(self) -> None:
         model = GoldenModel(make_design("fault", 2, 0, 2, (8, 8)))
         zero = (0, 0, 0)

@@ -23,7 +23,7 @@ from sculler_model.navigation import (
     constant_gravity,
     covers,
     exact_increments,
-    pull,
+    gravity_at,
     table_of_gravity,
 )
 
@@ -122,7 +122,7 @@ def local(value: float, lat: float = 0.8, h: float = 400.0) -> Gravity:
 
 
 def test_a_constant_is_the_same_everywhere() -> None:
-    assert pull(constant_gravity(9.81), 0.3, 5e3) == (0.0, 9.81)
+    assert gravity_at(constant_gravity(9.81), 0.3, 5e3) == (0.0, 9.81)
     assert constant_gravity().value == 9.80665
     assert str(constant_gravity(9.81)) == "constant, 9.81 m/s²"
 
@@ -130,7 +130,7 @@ def test_a_constant_is_the_same_everywhere() -> None:
 def test_a_measured_value_holds_everywhere_as_an_excess() -> None:
     model = local(earth.gravity(sin(0.8), 400.0) + 3e-4)
     for lat, h in ((0.8, 400.0), (-1.5, -5e3), (0.1, 900e3)):
-        lean, down = pull(model, sin(lat), h)
+        lean, down = gravity_at(model, sin(lat), h)
         assert down == pytest.approx(earth.gravity(sin(lat), h) + 3e-4, abs=1e-14)
         assert lean == earth.gravity_lean(sin(lat), h)
         assert covers(model, lat, h)
@@ -145,11 +145,11 @@ def test_a_table_is_met_at_its_points_and_straight_in_between() -> None:
     model = table_of_gravity(lats, heights, values)
     for i, lat in enumerate(lats.tolist()):
         for j, h in enumerate(heights.tolist()):
-            assert pull(model, sin(lat), h)[1] == pytest.approx(values[i, j], abs=1e-13)
+            assert gravity_at(model, sin(lat), h)[1] == pytest.approx(values[i, j], abs=1e-13)
     # halfway in latitude and a quarter of the height: (3/4 (2 - 1) + 1/4 (6 + 0))/2
     lat, h = radians(51.0), 250.0
     down = earth.gravity(sin(lat), h) + (0.75 * 1 + 0.25 * 6) / 2 * 1e-4
-    assert pull(model, sin(lat), h)[1] == pytest.approx(down, abs=1e-13)
+    assert gravity_at(model, sin(lat), h)[1] == pytest.approx(down, abs=1e-13)
     assert covers(model, radians(40.0), 0.0)
     assert not covers(model, radians(39.99), 0.0)
     assert not covers(model, radians(45), -0.1)
@@ -206,7 +206,10 @@ def test_alignment_holds_the_force_against_the_model() -> None:
     found = align(increments, 0.01, REST.lat, REST.h, gravity=constant_gravity(9.79))
     assert found.gravity == 9.79
     assert any("off gravity" in warning for warning in found.warnings)
-    assert align(increments, 0.01, REST.lat, REST.h).gravity == pull(NORMAL, sin(REST.lat), 400)[1]
+    assert (
+        align(increments, 0.01, REST.lat, REST.h).gravity
+        == gravity_at(NORMAL, sin(REST.lat), 400)[1]
+    )
 
 
 @pytest.mark.parametrize("value", [980.665, 1.0, float("nan"), -9.8])

@@ -21,10 +21,11 @@ from sculler_model.host import (
     MajorIncrements,
     ThirdOrder,
     major_increments,
+    one_minus_cosine,
+    one_minus_sine,
     uncorrected,
     velocity_rotation,
 )
-from sculler_model.host import increments as host
 from sculler_model.motion import Coning, Sculling
 from sculler_model.samples import Quantiser
 
@@ -49,8 +50,8 @@ def series(x: float, first: int) -> Fraction:
 def test_rotation_coefficients_are_right_to_rounding(x: float) -> None:
     at = np.array([x])
     for found, exact in (
-        (host.one_minus_cosine(at)[0], series(x, 2)),
-        (host.one_minus_sine(at)[0], series(x, 3)),
+        (one_minus_cosine(at)[0], series(x, 2)),
+        (one_minus_sine(at)[0], series(x, 3)),
     ):
         assert found == pytest.approx(float(exact), rel=1.5e-15, abs=1e-17)
 

@@ -159,9 +159,8 @@ def test_filtered_rates_are_the_mean_about_the_instant() -> None:
 
 
 @pytest.mark.parametrize("kind", ["increment", "rate"])
-def test_chunks_join_without_a_seam(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(motion.sampling, "CHUNK", 100)
-    chunks = list(SHAKEN.chunks(kind, 250, 1 / 2000))  # type: ignore[arg-type]
+def test_chunks_join_without_a_seam(kind: str) -> None:
+    chunks = list(SHAKEN.chunks(kind, 250, 1 / 2000, chunk=100))  # type: ignore[arg-type]
     assert [len(chunk) for chunk in chunks] == [100, 100, 50]
     whole = (SHAKEN.increments if kind == "increment" else SHAKEN.rates)(250, 1 / 2000)
     assert np.array_equal(np.concatenate(chunks), whole)

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from sculler_model.design import BLOCKS, SYSTEM_VERILOG, VHDL, fault
+from sculler_model.design import name_fault
+from sculler_model.design.names import SYSTEM_VERILOG, VHDL
+from sculler_model.design.vendor_blocks import BLOCKS
 
 ORDINARY = (
     "x imu nav_core A_1_b stim300_4x5 top root unit core samples fail index results clock abc main"
@@ -17,7 +19,7 @@ ORDINARY = (
 
 @pytest.mark.parametrize("name", ORDINARY)
 def test_ordinary_names_are_free(name):
-    assert fault(name) is None
+    assert name_fault(name) is None
 
 
 def test_how_many_reserved_words_there_are():
@@ -44,7 +46,7 @@ def test_vhdl_words_that_pygments_knows_are_refused():
     ).split()
     known = set(_words(hdl.VhdlLexer.tokens)) - set(types)
     assert len(known) > 90
-    assert [word for word in sorted(known) if fault(word) is None] == []
+    assert [word for word in sorted(known) if name_fault(word) is None] == []
 
 
 def _words(tokens):
@@ -63,10 +65,10 @@ def test_reserved_words_are_refused():
     refused = re.compile(r"is a reserved word of (SystemVerilog|VHDL|Python), give another name")
     for word in SYSTEM_VERILOG | VHDL:
         for name in (word, word.capitalize(), word.upper()):
-            assert refused.fullmatch(fault(name))
+            assert refused.fullmatch(name_fault(name))
     for word in keyword.kwlist:
-        assert refused.fullmatch(fault(word))
-    assert fault("Lambda") is None
+        assert refused.fullmatch(name_fault(word))
+    assert name_fault("Lambda") is None
 
 
 LIBRARIES = {
@@ -96,7 +98,7 @@ def test_every_block_in_yosyss_libraries_is_refused(family):
     }
     assert len(names) > 45
     assert names <= BLOCKS[family]
-    assert [name for name in names if not (fault(name) and fault(name.lower()))] == []
+    assert [name for name in names if not (name_fault(name) and name_fault(name.lower()))] == []
 
 
 @pytest.mark.parametrize(
@@ -113,4 +115,4 @@ def test_every_block_in_yosyss_libraries_is_refused(family):
 )
 def test_names_of_the_surroundings(name, said):
     """Of libraries, tools and what is generated beside the core."""
-    assert fault(name) == said
+    assert name_fault(name) == said

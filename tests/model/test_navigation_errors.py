@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sculler_model.errors import InputError
 from sculler_model.frames import from_rotation_vector, product, radii
 from sculler_model.motion import great_circle, hour_flight, over_the_pole
-from sculler_model.navigation import Comparison, NavHistory, interpolated, navigation_errors, rows
+from sculler_model.navigation import Comparison, NavHistory, interpolated, navigation_errors
 
 FLIGHT = hour_flight(radians(48), radians(11), 500.0)
 
@@ -80,7 +80,7 @@ def test_interpolation_on_a_smooth_track() -> None:
     assert np.abs(errors.position).max() < 1e-6  # a cubic's error, x'''' h⁴/384, and rounding
     assert np.abs(errors.velocity).max() < 250 * (250 / 6.4e6) ** 2 / 8 + 1e-9
     assert np.abs(errors.attitude).max() < 1e-9
-    exact = rows(found, np.array([0, 3, 5]))
+    exact = found.rows(np.array([0, 3, 5]))
     assert np.array_equal(exact.q, whole.q[[0, 7, 19]])
     assert np.array_equal(exact.lon, whole.lon[[0, 7, 19]])
 
@@ -96,7 +96,7 @@ def test_interpolated_attitude_turns_evenly() -> None:
 
 def blocks(history: NavHistory, size: int) -> Iterator[NavHistory]:
     for first in range(0, len(history), size):
-        yield rows(history, slice(first, first + size))
+        yield history.rows(slice(first, first + size))
 
 
 def drifting(t: NDArray, rate: float = 2.0) -> NavHistory:

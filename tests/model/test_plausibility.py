@@ -9,7 +9,7 @@ import pytest
 
 from sculler_model.design import Design
 from sculler_model.motion import MOTIONS, PLACE
-from sculler_model.samples import Finding, Plausibility, Quantiser, plausibility, told
+from sculler_model.samples import Finding, Plausibility, Quantiser, in_words, plausibility
 
 DESIGN = Design.preset("stim300")
 RATE = DESIGN.sensor.sample_rate_hz
@@ -78,7 +78,7 @@ def test_every_count_at_its_rail() -> None:
     found = look(counts)
     assert [f.kind for f in found].count("rail") == 6
     assert {f.samples for f in found if f.kind == "rail"} == {N - 9_000}
-    lines = told(found, {})
+    lines = in_words(found, {})
     rail = "gyro_x stands at its rail in 15,000 samples, first at sample 9000 (8388607)"
     assert any(line.startswith(rail) for line in lines)
 
@@ -115,6 +115,6 @@ def test_a_spike_that_interpolation_spread_is_found() -> None:
 
 def test_long_lists_are_cut() -> None:
     findings = [Finding("spike", at, 1, "gyro_x", 1e6, None) for at in range(15)]
-    lines = told(findings, {"spike": 15})
+    lines = in_words(findings, {"spike": 15})
     assert len(lines) == 11
     assert lines[-1] == "5 more findings like these (spike)"

@@ -80,11 +80,10 @@ def test_chunks_do_not_matter() -> None:
     assert pieces.report().samples == 5000
 
 
-def test_blocks_inside_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_blocks_inside_do_not_matter() -> None:
     values = np.random.default_rng(3).normal(size=(1000, 6)) * 1e-5
     whole = Quantiser(STIM)(values)
-    monkeypatch.setattr("sculler_model.samples.quantiser._BLOCK", 7)
-    assert np.array_equal(Quantiser(STIM)(values), whole)
+    assert np.array_equal(Quantiser(STIM, block=7)(values), whole)
 
 
 def test_rate_samples_keep_their_sum() -> None:
@@ -106,9 +105,8 @@ def test_extreme_counts_fit_and_one_more_does_not() -> None:
 
 
 @pytest.mark.parametrize("block", [1, 100])
-def test_a_refused_call_changes_nothing(block: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sculler_model.samples.quantiser._BLOCK", block)
-    quantiser = Quantiser(design(8, 1.0))
+def test_a_refused_call_changes_nothing(block: int) -> None:
+    quantiser = Quantiser(design(8, 1.0), block)
     quantiser(np.full((1, 6), 0.4))
     before = quantiser.report()
     with pytest.raises(InputError):

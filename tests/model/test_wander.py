@@ -33,14 +33,11 @@ from sculler_model.navigation import (
     NavHistory,
     Navigator,
     NavState,
-    earth_at,
     exact_increments,
-    geographic,
     increments_in_inertial_space,
-    level,
     navigate,
-    travelled,
 )
+from sculler_model.navigation.wander import earth_at, geographic, level, travelled
 
 Array = NDArray[np.float64]
 Four = tuple[Array, Array, Array, Array]

@@ -20,7 +20,7 @@ from sculler_model.design import (
     Interval,
     Result,
     cross_range,
-    total,
+    range_of_sum,
 )
 from sculler_model.golden import GoldenModel
 from strategies import DESIGNS, designs, make_design, random_counts
@@ -74,8 +74,8 @@ class TestInterval:
             assert cross_range(left, right) == hull(a * d - b * c for a, b, c, d in ends)
 
     def test_total(self) -> None:
-        assert total([]) == ZERO_RANGE
-        assert total([Interval(-1, 2), Interval(3, 4), Interval(-9, -9)]) == Interval(-7, -3)
+        assert range_of_sum([]) == ZERO_RANGE
+        assert range_of_sum([Interval(-1, 2), Interval(3, 4), Interval(-9, -9)]) == Interval(-7, -3)
 
     def test_bits_is_the_narrowest_word(self) -> None:
         for lo in range(-20, 21):

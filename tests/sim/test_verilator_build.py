@@ -106,7 +106,7 @@ def test_the_verilog_kept_is_the_verilog_generated(own_cache):
 
 _EMIT = """
 import json, sys
-from sculler_hdl.verilog import generate
+from sculler_hdl import generate
 from sculler_model.design import Design
 for design in json.load(sys.stdin):
     generate(Design.parse(design))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from sculler_model.frames import STANDARD_GRAVITY, AxisMap, from_rotation_vector, product, rotate
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation import NORMAL, Gravity, NavState, pull
+from sculler_model.navigation import NORMAL, Gravity, NavState, gravity_at
 
 Array = NDArray[np.float64]
 
@@ -61,7 +61,7 @@ class FirstSeconds:
         self, state: NavState, interval: float, gravity: Gravity = NORMAL, axes: AxisMap = PLAIN
     ) -> None:
         self._state, self._interval, self._axes = state, interval, axes
-        self._gravity = pull(gravity, _sine(state.lat), state.h)[1]
+        self._gravity = gravity_at(gravity, _sine(state.lat), state.h)[1]
         self._wanted = max(1, round(LONG / interval))
         self._parts: list[MajorIncrements] = []
 

@@ -114,8 +114,9 @@ def command(
     bound over all phases (see analyze vibration); under coning it includes the triple products.
     Exit status 1 if nothing meets the requirement.
     """
+    from sculler.formats.spectra import spectrum_of
     from sculler_model.analysis.advice import Environment, Requirement, advise
-    from sculler_model.analysis.vibration import G, Spectrum
+    from sculler_model.analysis.vibration import G
     from sculler_model.errors import InputError
 
     if (spectrum is None) == (coning is None):
@@ -135,7 +136,7 @@ def command(
             )
     half_angle, hertz = coning or (0.0, 0.0)
     environment = Environment(
-        spectrum=Spectrum.parse(spectrum) if spectrum is not None else None,
+        spectrum=spectrum_of(spectrum) if spectrum is not None else None,
         mount=mount(**mount_values),
         half_angle=radians(half_angle),
         hertz=hertz,

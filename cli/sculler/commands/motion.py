@@ -293,13 +293,13 @@ def _write(
     from sculler.formats.log import LogWriter
     from sculler_model.motion import CHUNK
     from sculler_model.outputs import replacing
-    from sculler_model.samples import Quantiser, end_after_stamp, interval_end, stamp
+    from sculler_model.samples import Quantiser, end_after_stamp, interval_end, sample_stamp
 
     quantise = Quantiser(design)
     begin = interval_end(design, -1)
     if begin < 0:  # a rate's first interval reaches before time 0
         begin = interval_end(design, 0)
-    end = stamp(design, samples - 1) + end_after_stamp(design)
+    end = sample_stamp(design, samples - 1) + end_after_stamp(design)
     rows = max(floor((end - begin) / every + 1e-9) + 1, 1)
     with (
         terminal.progress(f"writing {motion.name}", samples + rows) as advance,

@@ -22,7 +22,7 @@ from sculler.plots.pictures import (
 )
 from sculler.runs.against_truth import MILES_PER_HOUR, NAMES, UNITS
 from sculler.terminal import three_digits
-from sculler_model.navigation import NAUTICAL_MILE, NavErrors, NavHistory, known
+from sculler_model.navigation import NAUTICAL_MILE, NavErrors, NavHistory, known_quantities
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,7 +59,7 @@ def truth_pictures(
         sigma: of the attitude about north, east and down after the alignment, rad; None where it
             is not known.
     """
-    told = known(truth)
+    told = known_quantities(truth)
     paths = truth_picture_paths(output)
     if "position" not in told:
         del paths[1:]

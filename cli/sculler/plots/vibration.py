@@ -13,7 +13,13 @@ from numpy.typing import NDArray
 from sculler.plots.analysis import COLOURS
 from sculler.plots.pictures import BLUE, GREEN, GREY, VERMILION, new_figure
 from sculler.terminal import three_digits
-from sculler_model.analysis.vibration import G, Response, Spectrum, relative_error, sensor_filter
+from sculler_model.analysis.vibration import (
+    G,
+    MountResponse,
+    Spectrum,
+    relative_error,
+    sensor_filter,
+)
 from sculler_model.design import Design
 
 if TYPE_CHECKING:
@@ -27,7 +33,7 @@ POINTS = 1500
 
 
 def vibration_picture(
-    path: Path, spectrum: Spectrum, response: Response, designs: Mapping[str, Design]
+    path: Path, spectrum: Spectrum, response: MountResponse, designs: Mapping[str, Design]
 ) -> None:
     """Vibration before and behind the mount, and what of it rectifies, by frequency.
 

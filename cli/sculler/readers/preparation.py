@@ -16,7 +16,7 @@ from sculler.runs.conversion import si_of_unit
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import STANDARD_GRAVITY
-from sculler_model.samples import Plausibility, told
+from sculler_model.samples import Plausibility, in_words
 
 LARGEST, LONGEST = 1e30, 1e12
 """What no sensor gives in any unit, and no recording lasts (s): bytes of something else."""
@@ -117,4 +117,4 @@ class Watch:
     def warnings(self) -> list[str]:
         """What was found, once all samples have passed."""
         found = self._plausibility.finish()
-        return [*self.sums(), *told(found, self._plausibility.counts)]
+        return [*self.sums(), *in_words(found, self._plausibility.counts)]

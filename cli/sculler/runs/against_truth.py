@@ -13,8 +13,8 @@ from sculler.formats.history import Thinned
 from sculler.formats.truth import read_truth
 from sculler_model.errors import InputError
 from sculler_model.navigation import (
-    COMPONENTS,
     NAUTICAL_MILE,
+    NORTH_EAST_DOWN,
     Comparison,
     Figures,
     NavErrors,
@@ -123,7 +123,7 @@ class AgainstTruth:
         }
         for quantity, by_component in comparison.figures().items():
             _, scale, key = UNITS[quantity]
-            names = (*COMPONENTS, "horizontal" if quantity == "position" else "total")
+            names = (*NORTH_EAST_DOWN, "horizontal" if quantity == "position" else "total")
             data[key] = {
                 name: _scaled(figures, scale)
                 for name, figures in zip(names, by_component.values(), strict=True)

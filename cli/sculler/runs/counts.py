@@ -25,7 +25,7 @@ from sculler_model.design import (
 )
 from sculler_model.fast import FastModel, VectorBlock, component_dtype
 from sculler_model.golden import GoldenModel, Sample
-from sculler_model.samples import Plausibility, end_after_stamp, told
+from sculler_model.samples import Plausibility, end_after_stamp, in_words
 from sculler_sim.engine import simulate
 from sculler_sim.run import RESET
 from sculler_sim.stimulus import Stimulus
@@ -252,7 +252,9 @@ class _Source:
         """What the run did, once all samples are through."""
         left_out = self._left_out + self._phase
         found = self._plausibility.finish()
-        implausible = told(found, self._plausibility.counts, lambda sample: f"line {sample + 2}")
+        implausible = in_words(
+            found, self._plausibility.counts, lambda sample: f"line {sample + 2}"
+        )
         return Summary(
             self._design,
             self._samples,

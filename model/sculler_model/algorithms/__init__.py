@@ -19,7 +19,7 @@ from sculler_model.algorithms.catalogue import (
 from sculler_model.algorithms.decimals import rational
 from sculler_model.algorithms.integer_vectors import ZERO, Vec, cross, plus, times, whole_numbers
 from sculler_model.algorithms.lattice import closest_integers
-from sculler_model.algorithms.least_squares import Band, Fit, Mount, fit, round_taps
+from sculler_model.algorithms.least_squares import Band, Fit, RotaryMode, fit, round_taps
 from sculler_model.algorithms.pairs import (
     Elimination,
     distance_sums,
@@ -71,9 +71,9 @@ __all__ = [
     "Made",
     "Match",
     "Measured",
-    "Mount",
     "Recipe",
     "Response",
+    "RotaryMode",
     "SensorKind",
     "Sinc",
     "Stage",

@@ -43,7 +43,7 @@ _NODES = (Fraction(5, 18), Fraction(8, 18), Fraction(5, 18))
 
 
 @dataclass(frozen=True)
-class Mount:
+class RotaryMode:
     """A rotary isolator mode, |1/(1 - r² + 2iζr)|², r = f/natural (Savage-98 section VI)."""
 
     natural_hz: Fraction
@@ -70,7 +70,7 @@ class Band:
     high_hz: Fraction
     points: tuple[tuple[Fraction, Fraction], ...] = ()
     logarithmic: bool = False
-    mount: Mount | None = None
+    mount: RotaryMode | None = None
 
     def weight(self, hertz: Fraction) -> Decimal:
         """At a frequency inside the band."""

@@ -96,7 +96,7 @@ class Cone(Vibration):
     def samples(self, design: Design, omega: float, count: int) -> Array:
         """See `Vibration`."""
         motion, T = Coning(self.half_angle, omega), design.sample_interval
-        response = sensor_filter(design)
+        response = stated_filter(design)
         if design.sensor.kind == "increment":
             samples = motion.increments(count, T)
         else:
@@ -142,7 +142,7 @@ class Scull(Vibration):
     def samples(self, design: Design, omega: float, count: int) -> Array:
         """See `Vibration`."""
         motion, T = Sculling(self.angle, self.force, omega), design.sample_interval
-        response = sensor_filter(design)
+        response = stated_filter(design)
         gain = 1.0 if response is None else abs(response.value(omega * T))
         if design.sensor.kind == "increment":
             return gain * motion.increments(count, T)
@@ -217,7 +217,7 @@ class Law:
 def drift(design: Design, vibration: Vibration, hertz: Array) -> Array:
     """Closed-form residual drift (rad/s or m/s²) at frequencies in Hz, computed minus true."""
     omega = 2 * pi * np.asarray(hertz, np.float64)
-    T, kind, response = design.sample_interval, design.sensor.kind, sensor_filter(design)
+    T, kind, response = design.sample_interval, design.sensor.kind, stated_filter(design)
     if response is None:
         left = closed_form.residual(design.table, omega * T, kind)
     else:
@@ -226,7 +226,7 @@ def drift(design: Design, vibration: Vibration, hertz: Array) -> Array:
     return result
 
 
-def sensor_filter(design: Design) -> Response | None:
+def stated_filter(design: Design) -> Response | None:
     """The filter that the samples passed, if the design states one; rates else passed sinc(λ/2)."""
     if design.algorithm.family == "table":
         return None
@@ -331,7 +331,7 @@ def law(design: Design, vibration: Vibration) -> Law:
     (phase, small), (phase2, large) = found
     order = log2(large / small) / log2(phase2 / phase) if large / small > 0 else float("nan")
     exact = None
-    if sensor_filter(design) is None:
+    if stated_filter(design) is None:
         exact = closed_form.leading_term(design.table, design.sensor.kind)
     # one step of Richardson: the second term is λ² of the first
     power = exact.power if exact else (round(order) if isfinite(order) else 0)

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.algorithms import TapTable
-from sculler_model.analysis.frequency import Cone, drift, record, sensor_filter
+from sculler_model.analysis.frequency import Cone, drift, record, stated_filter
 from sculler_model.analysis.integer_path import changed
 from sculler_model.design import Design
 from sculler_model.fast import FastModel, VectorBlock
@@ -120,7 +120,7 @@ def deviation(design: Design, half_angle: float, hertz: float, lsb: float, sampl
         samples: length of the record, whole minor intervals.
     """
     phase = 2 * pi * hertz * design.sample_interval
-    size, response = 2 * sin(half_angle) * sin(phase / 2), sensor_filter(design)
+    size, response = 2 * sin(half_angle) * sin(phase / 2), stated_filter(design)
     if response is not None:
         unfiltered = size if design.sensor.kind == "increment" else sin(half_angle) * phase
         size = unfiltered * abs(response.value(phase))

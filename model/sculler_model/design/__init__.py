@@ -5,9 +5,9 @@ overflow; `Result` and the column names say what a core hands over each major in
 It imports `algorithms`.
 """
 
-from sculler_model.design.design import Design, Hardware
-from sculler_model.design.names import SYSTEM_VERILOG, VHDL, fault
-from sculler_model.design.options import read_response
+from sculler_model.design.design import Design
+from sculler_model.design.hardware import Hardware
+from sculler_model.design.names import name_fault
 from sculler_model.design.presets import PRESETS
 from sculler_model.design.result import (
     AXES,
@@ -24,20 +24,18 @@ from sculler_model.design.result import (
     Result,
     columns_of,
 )
-from sculler_model.design.vendor_blocks import BLOCKS
 from sculler_model.design.word_lengths import (
     MAX_BITS,
     ZERO_RANGE,
     Interval,
     WordLengths,
     cross_range,
-    total,
+    range_of_sum,
     word_lengths,
 )
 
 __all__ = [
     "AXES",
-    "BLOCKS",
     "COLUMNS",
     "COMPONENTS",
     "HIGH_RESOLUTION_COLUMNS",
@@ -49,9 +47,7 @@ __all__ = [
     "STATUS_LOST",
     "STATUS_RAIL",
     "STATUS_SHORT_HISTORY",
-    "SYSTEM_VERILOG",
     "VECTORS",
-    "VHDL",
     "ZERO_RANGE",
     "Design",
     "Hardware",
@@ -60,8 +56,7 @@ __all__ = [
     "WordLengths",
     "columns_of",
     "cross_range",
-    "fault",
-    "read_response",
-    "total",
+    "name_fault",
+    "range_of_sum",
     "word_lengths",
 ]

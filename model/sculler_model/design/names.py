@@ -57,7 +57,7 @@ _VERILATORS = frozenset(("std", "randomize"))  # its own package, and a function
 _PORTS = frozenset(("clk", "rst"))
 
 
-def fault(name: str) -> str | None:
+def name_fault(name: str) -> str | None:
     """Why a design cannot have a name, in words that follow it; None: it can.
 
     VHDL knows no case, so case makes no difference, but for Python's words and Verilator's TOP.

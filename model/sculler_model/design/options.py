@@ -14,15 +14,15 @@ from pydantic import Field, field_validator, model_validator
 
 from sculler_model.algorithms import (
     Analogue,
+    Band,
     Digital,
     Measured,
     Response,
+    RotaryMode,
     Sinc,
     Stage,
     rational,
 )
-from sculler_model.algorithms import Band as FittedBand
-from sculler_model.algorithms import Mount as FittedMount
 from sculler_model.errors import InputError
 from sculler_model.inputs import read_small
 from sculler_model.schema import Part
@@ -32,14 +32,14 @@ Numbers = Annotated[list[float], Field(min_length=1, max_length=64)]
 Rows = Annotated[list[list[float]], Field(min_length=2, max_length=10_000)]
 
 
-class Mount(Part):
+class MountTable(Part):
     """An isolator between the vibration and the sensor: its rotary mode."""
 
     natural_hz: Positive
     damping: Annotated[float, Field(gt=0, description="a damping ratio > 0")]
 
 
-class Band(Part):
+class BandTable(Part):
     """Where the residual counts.
 
     Either low_hz and high_hz alone (every frequency alike), or with `psd` (weights joined by
@@ -51,7 +51,9 @@ class Band(Part):
     profile: Annotated[
         Rows | None, Field(description="rows [frequency, PSD], 2 or more, all > 0")
     ] = None
-    mount: Annotated[Mount | None, Field(description="a table with natural_hz and damping")] = None
+    mount: Annotated[
+        MountTable | None, Field(description="a table with natural_hz and damping")
+    ] = None
     low_hz: Annotated[float | None, Field(ge=0, description="a number >= 0")] = None
     high_hz: Annotated[float | None, Field(gt=0, description="a number > 0")] = None
 
@@ -87,7 +89,7 @@ class Band(Part):
         return rows
 
     @model_validator(mode="after")
-    def _is_a_band(self) -> Band:
+    def _is_a_band(self) -> BandTable:
         if self.psd is not None and self.profile is not None:
             raise ValueError("psd and profile are both given, give one")
         rows = self.psd or self.profile
@@ -109,15 +111,15 @@ class Band(Part):
         high = self.high_hz if self.high_hz is not None else rows[-1][0]
         return low, high
 
-    def exact(self) -> FittedBand:
+    def exact(self) -> Band:
         """In rationals."""
         low, high = self._ends()
-        return FittedBand(
+        return Band(
             rational(low),
             rational(high),
             tuple((rational(f), rational(w)) for f, w in self.psd or self.profile or ()),
             self.profile is not None,
-            FittedMount(rational(self.mount.natural_hz), rational(self.mount.damping))
+            RotaryMode(rational(self.mount.natural_hz), rational(self.mount.damping))
             if self.mount
             else None,
         )
@@ -132,7 +134,7 @@ _FILTER_KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 """Of each kind, the keys it needs and the keys it may have."""
 
 
-class Filter(Part):
+class FilterTable(Part):
     """One stage of the filter that the samples have passed."""
 
     kind: Annotated[
@@ -154,11 +156,12 @@ class Filter(Part):
     ] = None
 
     @model_validator(mode="after")
-    def _keys_fit_kind(self) -> Filter:
+    def _keys_fit_kind(self) -> FilterTable:
         needed, optional = _FILTER_KEYS[self.kind]
+        fields = FilterTable.model_fields
         given = {key for key in self.model_fields_set if getattr(self, key) is not None}
         faults = [
-            f'{key}: missing, kind = "{self.kind}" needs {Filter.model_fields[key].description}'
+            f'{key}: missing, kind = "{self.kind}" needs {fields[key].description}'
             for key in needed
             if key not in given
         ]
@@ -196,7 +199,7 @@ class Filter(Part):
         return Measured(frequencies, gains, degrees, sample_rate)
 
 
-def response(filters: list[Filter], sample_rate: Fraction) -> Response:
+def response(filters: list[FilterTable], sample_rate: Fraction) -> Response:
     """The stages one after another.
 
     Raises:

@@ -67,7 +67,7 @@ STATUS_BITS = 4
 
 
 class Result(NamedTuple):
-    """One major interval's result: exact integer numerators (DESIGN section 3).
+    """One major interval's result: exact integer numerators (docs/explanation/theory.md).
 
     `major` counts from 0 after reset; `status` is a bit set; each vector is (x, y, z) in the
     sensor's axes.  The last three are there where the design has high-resolution position: sums

@@ -2,11 +2,12 @@
 
 Every quantity gets the exact interval that integer interval arithmetic gives it over *all* input
 sequences, the most negative count included.  A signed register wide enough for the interval
-therefore holds every value that can occur: that is the whole proof (DESIGN, "Word lengths").
+therefore holds every value that can occur: that is the whole proof (docs/explanation/exactness.md).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 
@@ -81,7 +82,7 @@ class Interval:
 ZERO_RANGE = Interval(0, 0)
 
 
-def total(intervals: list[Interval]) -> Interval:
+def range_of_sum(intervals: Iterable[Interval]) -> Interval:
     """Interval of the sum of independent values."""
     return reduce(Interval.__add__, intervals, ZERO_RANGE)
 
@@ -134,23 +135,13 @@ def word_lengths(
         high_resolution: whether the design has s_alpha, s_nu and scrolling.
     """
     gyro, accel = Interval.signed(gyro_bits), Interval.signed(accel_bits)
-
-    def tapped(counts: Interval, phase: int) -> Interval:
-        return total([counts.scaled(c) for c in table.taps[phase - 1]])
-
-    def weighted(counts: Interval) -> Interval:
-        return total([counts.scaled(w) for w in table.weights])
-
-    phases = table.active_phases
-    gyro_taps = reduce(Interval.__or__, (tapped(gyro, k) for k in phases), ZERO_RANGE)
-    accel_taps = reduce(Interval.__or__, (tapped(accel, k) for k in phases), ZERO_RANGE)
+    phases = [(_weighted(gyro, row), _weighted(accel, row)) for row in table.taps if any(row)]
     coning_within = sculling_within = ZERO_RANGE
-    for k in phases:
-        a, b = tapped(gyro, k), tapped(accel, k)
+    for a, b in phases:
         coning_within += cross_range(a, gyro).repeated(minors)
         sculling_within += (cross_range(a, accel) + cross_range(b, gyro)).repeated(minors)
 
-    theta, v = weighted(gyro), weighted(accel)
+    theta, v = _weighted(gyro, table.weights), _weighted(accel, table.weights)
     coning_between = sculling_between = ZERO_RANGE
     for minor in range(minors):
         alpha, nu = theta.repeated(minor), v.repeated(minor)
@@ -159,8 +150,8 @@ def word_lengths(
     words = WordLengths(
         gyro=gyro,
         accel=accel,
-        gyro_taps=gyro_taps,
-        accel_taps=accel_taps,
+        gyro_taps=reduce(Interval.__or__, (a for a, _ in phases), ZERO_RANGE),
+        accel_taps=reduce(Interval.__or__, (b for _, b in phases), ZERO_RANGE),
         theta=theta,
         v=v,
         alpha=theta.repeated(minors),
@@ -170,16 +161,23 @@ def word_lengths(
         sculling_within=sculling_within,
         sculling_between=sculling_between,
     )
-    if not high_resolution:
-        return words
+    return _with_position(words, table.samples * minors) if high_resolution else words
+
+
+def _weighted(counts: Interval, coefficients: Sequence[int]) -> Interval:
+    """The range of a weighted sum of independent counts."""
+    return range_of_sum(counts.scaled(c) for c in coefficients)
+
+
+def _with_position(words: WordLengths, samples: int) -> WordLengths:
+    """The same with what high-resolution position adds, for so many samples a major interval."""
     # of N samples each counts 12 times for every later one and 6 times for itself; of the last
     # those are 5 and the sample before the interval has the one that lacks
-    samples = table.samples * minors
     doubly = 6 * samples**2
     return replace(
         words,
-        s_alpha=gyro.repeated(doubly),
-        s_nu=accel.repeated(doubly),
+        s_alpha=words.gyro.repeated(doubly),
+        s_nu=words.accel.repeated(doubly),
         # bilinear in the samples: each product of two may be extreme with its weight's sign
-        scrolling=cross_range(gyro, accel).repeated(scrolling_weights_total(samples)),
+        scrolling=cross_range(words.gyro, words.accel).repeated(scrolling_weights_total(samples)),
     )

@@ -25,6 +25,14 @@ Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 """(w, x, y, z), scalar first, of length 1."""
 
+Vectors = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+"""The three components of many vectors, an array each."""
+
+Quaternions = tuple[
+    NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]
+]
+"""w, x, y, z of many quaternions, an array each."""
+
 
 def cross(a: tuple[Real, Real, Real], b: tuple[Real, Real, Real]) -> tuple[Real, Real, Real]:
     """a x b."""

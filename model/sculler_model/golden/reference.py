@@ -1,7 +1,8 @@
-"""The reference model: the high-rate algorithm of DESIGN section 3 in plain integers.
+"""The reference model: the high-rate algorithm in plain integers.
 
-It is written to be held against the page line by line.  It knows nothing of the hardware and is
-not fast; `sculler_model.fast` is its fast twin and is tested equal to it.
+It is written to be held against the page (docs/explanation/theory.md) line by line.  It knows
+nothing of the hardware and is not fast; `sculler_model.fast` is its fast twin and is tested equal
+to it.
 """
 
 from __future__ import annotations
@@ -76,15 +77,8 @@ class GoldenModel:
 
     def _weighted_sum(self, coefficients: Iterable[tuple[int, int]], counts: list[Vec]) -> Vec:
         """Sum of c * counts[t-d] over pairs (d, c); samples before the first one are zero."""
-        terms = [ZERO]
-        for d, c in coefficients:
-            if c == 0:
-                continue
-            if d > self.t:
-                self.status |= STATUS_SHORT_HISTORY
-            else:
-                terms.append(times(c, counts[-1 - d]))
-        return plus(*terms)
+        terms = [times(c, counts[-1 - d]) for d, c in coefficients if c and d <= self.t]
+        return plus(ZERO, *terms)
 
     def lose(self) -> None:
         """A sample was offered and not taken: it marks the interval of the next one taken."""
@@ -110,56 +104,61 @@ class GoldenModel:
             self.status |= STATUS_FAULT
         if at_rail(gyro, words.gyro) or at_rail(accel, words.accel):
             self.status |= STATUS_RAIL
-        k = self.t % table.samples + 1  # phase in the minor interval, 1..n
+        if any(self.design.short_samples[self.t : self.t + 1]):
+            self.status |= STATUS_SHORT_HISTORY
 
-        # every sample
+        self._every_sample(gyro, accel)
+        result = None
+        if (self.t + 1) % table.samples == 0:
+            self._every_minor_end()
+        if (self.t + 1) % self.design.samples_per_major == 0:
+            result = self._every_major_end()
+
+        self.t += 1
+        del self.s[: -table.history - 1], self.r[: -table.history - 1]
+        return result
+
+    def _every_sample(self, gyro: Vec, accel: Vec) -> None:
+        table = self.design.table
+        k = self.t % table.samples + 1  # phase in the minor interval, 1..n
         row = list(enumerate(table.taps[k - 1], start=1))
         A = self._weighted_sum(row, self.s)
         B = self._weighted_sum(row, self.r)
         self.coning_within = plus(self.coning_within, cross(A, gyro))
         self.sculling_within = plus(self.sculling_within, cross(A, accel), cross(B, gyro))
-
-        if self.position is not None:  # it uses the sample before
+        if self.position is not None:
             self.position.step(gyro, accel)
-            if self.t == 0:
-                self.status |= STATUS_SHORT_HISTORY
 
-        # every minor end
-        result = None
-        if k == table.samples:
-            weights = list(enumerate(table.weights))
-            theta = self._weighted_sum(weights, self.s)
-            v = self._weighted_sum(weights, self.r)
-            self.coning_between = plus(self.coning_between, cross(self.alpha, theta))
-            self.sculling_between = plus(
-                self.sculling_between, cross(self.alpha, v), cross(self.nu, theta)
+    def _every_minor_end(self) -> None:
+        weights = list(enumerate(self.design.table.weights))
+        theta = self._weighted_sum(weights, self.s)
+        v = self._weighted_sum(weights, self.r)
+        self.coning_between = plus(self.coning_between, cross(self.alpha, theta))
+        self.sculling_between = plus(
+            self.sculling_between, cross(self.alpha, v), cross(self.nu, theta)
+        )
+        self.alpha = plus(self.alpha, theta)
+        self.nu = plus(self.nu, v)
+
+    def _every_major_end(self) -> Result:
+        result = Result(
+            self.major,
+            self.status,
+            self.alpha,
+            self.coning_within,
+            self.coning_between,
+            self.nu,
+            self.sculling_within,
+            self.sculling_between,
+        )
+        if self.position is not None:
+            result = result._replace(
+                s_alpha=self.position.s_alpha,
+                s_nu=self.position.s_nu,
+                scrolling=self.position.scrolling,
             )
-            self.alpha = plus(self.alpha, theta)
-            self.nu = plus(self.nu, v)
-
-            # every major end
-            if (self.t + 1) % self.design.samples_per_major == 0:
-                result = Result(
-                    self.major,
-                    self.status,
-                    self.alpha,
-                    self.coning_within,
-                    self.coning_between,
-                    self.nu,
-                    self.sculling_within,
-                    self.sculling_between,
-                )
-                if self.position is not None:
-                    result = result._replace(
-                        s_alpha=self.position.s_alpha,
-                        s_nu=self.position.s_nu,
-                        scrolling=self.position.scrolling,
-                    )
-                self.major += 1
-                self._clear()
-
-        self.t += 1
-        del self.s[: -table.history - 1], self.r[: -table.history - 1]
+        self.major += 1
+        self._clear()
         return result
 
     def run(self, samples: Iterable[Sample]) -> Iterator[Result]:

@@ -3,21 +3,18 @@
 `major_increments` is the whole of it.  It imports `algorithms`, `design`, `fast` and `frames`.
 """
 
-from sculler_model.host.increments import (
-    MajorIncrements,
-    ThirdOrder,
+from sculler_model.host.compensation import (
     displacement,
     half_minus_cosine,
-    major_increments,
     one_minus_cosine,
     one_minus_sine,
     position_rotation,
-    second_order_corrections,
-    third_order_terms,
-    uncorrected,
     velocity_higher_orders,
     velocity_rotation,
 )
+from sculler_model.host.increments import MajorIncrements
+from sculler_model.host.scaling import major_increments, second_order_corrections, uncorrected
+from sculler_model.host.third_order import ThirdOrder, third_order_terms
 
 __all__ = [
     "MajorIncrements",

@@ -22,7 +22,7 @@ from sculler_model.motion.catalogue import (
     steady_turn,
     turn_motion,
 )
-from sculler_model.motion.curves import ZERO, Curve, EvenPace, Smooth, Spline
+from sculler_model.motion.curves import ZERO_CURVE, Curve, EvenPace, Smooth, Spline
 from sculler_model.motion.earthbound import Motion
 from sculler_model.motion.flight_plan import Leg, flight
 from sculler_model.motion.inertial import Coning, Sculling, SpinAccel
@@ -44,7 +44,7 @@ __all__ = [
     "CHUNK",
     "MOTIONS",
     "PLACE",
-    "ZERO",
+    "ZERO_CURVE",
     "Coning",
     "Curve",
     "EvenPace",

@@ -89,9 +89,9 @@ class Curve:
         return powers + sum(abs(amplitude * omega) for amplitude, omega, _ in self.waves)
 
 
-ZERO = Curve()
+ZERO_CURVE = Curve()
 
-DEGREE = 7
+SPLINE_DEGREE = 7
 """Of a `Spline`: six continuous derivatives."""
 
 
@@ -110,7 +110,7 @@ class Spline:
     def __init__(self, points: Sequence[float], step: float) -> None:
         self.points, self.step = tuple(points), step
         # straight on beyond both ends, far enough for every derivative there
-        around = np.arange(1, DEGREE + 1)
+        around = np.arange(1, SPLINE_DEGREE + 1)
         known = np.array(self.points)
         before = known[0] - around[::-1] * (known[1] - known[0])
         after = known[-1] + around * (known[-1] - known[-2])
@@ -122,13 +122,13 @@ class Spline:
         """Value, first and second derivative at times t (s)."""
         x = t / self.step
         inside = np.clip(np.floor(x), -4, len(self.points) + 2)  # straight lines beyond
-        cell = inside.astype(np.intp) + (DEGREE - 3)  # the leftmost point of eight, padded
+        cell = inside.astype(np.intp) + (SPLINE_DEGREE - 3)  # the leftmost point of eight, padded
         u = np.clip(x - inside, 0, 1)
         weights = [np.ones_like(u)]
         sums = []
-        for degree in range(1, DEGREE + 1):
+        for degree in range(1, SPLINE_DEGREE + 1):
             weights = _next_weights(weights, degree, u)
-            order = DEGREE - degree
+            order = SPLINE_DEGREE - degree
             if order < 3:
                 values = self._differences[order]
                 middle = values[cell + degree // 2]  # equal points give just themselves

@@ -29,7 +29,9 @@ from sculler_model.frames import (
     ECCENTRICITY_SQUARED,
     SEMI_MAJOR_AXIS,
     Quaternion,
+    Quaternions,
     Vector,
+    Vectors,
     conjugate,
     cross,
     gravity,
@@ -38,9 +40,9 @@ from sculler_model.frames import (
     radii,
     rotate,
 )
-from sculler_model.motion.curves import ZERO, Array, Jet, Smooth
+from sculler_model.motion.curves import ZERO_CURVE, Array, Jet, Smooth
 from sculler_model.motion.sampling import Sampled
-from sculler_model.motion.turns import Four, Triple, Turn, attitude_jet
+from sculler_model.motion.turns import Turn, attitude_jet
 from sculler_model.navigation import NavHistory
 
 _NEAR_POLE = radians(89.9)
@@ -69,9 +71,9 @@ class Motion(Sampled):
     lat: float
     lon: float
     h: float
-    north: Smooth = ZERO
-    east: Smooth = ZERO
-    up: Smooth = ZERO
+    north: Smooth = ZERO_CURVE
+    east: Smooth = ZERO_CURVE
+    up: Smooth = ZERO_CURVE
     turns: tuple[Turn, ...] = ()
     arm: tuple[Smooth, ...] = ()
     grid: Quaternion | None = None
@@ -87,7 +89,7 @@ class Motion(Sampled):
     @property
     def _still(self) -> bool:
         """It stays on one vertical, whatever its attitude."""
-        return self.north == self.east == ZERO and not self.arm
+        return self.north == self.east == ZERO_CURVE and not self.arm
 
     def state(self, t: Array) -> NavHistory:
         """True states at times t (N,), s; geodetic, whatever the grid."""
@@ -98,7 +100,7 @@ class Motion(Sampled):
         else:
             lat, lon, convergence = self._geodetic(path)
             zero = np.zeros_like(t)
-            turn: Four = (np.cos(0.5 * convergence), zero, zero, np.sin(0.5 * convergence))
+            turn: Quaternions = (np.cos(0.5 * convergence), zero, zero, np.sin(0.5 * convergence))
             q, v = product(turn, q), rotate(turn, v)
         lon = lon - 2 * np.pi * np.round(lon / (2 * np.pi))
         return NavHistory(np.array(t), np.stack(q, 1), np.stack(v, 1), lat, lon, path.h[0])
@@ -140,7 +142,7 @@ class Motion(Sampled):
         assert self.grid is not None
         one = np.ones_like(path.sin_lat)
         w, x, y, z = self.grid
-        to_earth: Four = (w * one, x * one, y * one, z * one)
+        to_earth: Quaternions = (w * one, x * one, y * one, z * one)
         n_x, n_y, n_z = rotate(to_earth, path.normal)
         across = np.hypot(n_x, n_y)
         lat, lon = np.arctan2(n_z, across), np.arctan2(n_y, n_x)
@@ -191,14 +193,14 @@ class _Path:
         k_n = z * cos_lat - sin_lat * outward
         k_e = y * cos_lon - x * sin_lon
         s = z * sin_lat + cos_lat * outward
-        self.k: Triple = (k_n, k_e, -s)
+        self.k: Vectors = (k_n, k_e, -s)
         self.sin_lat = s
 
         # ρ; ṅ is (lat1, east1, 0)
         east1 = lon1 * cos_lat
         east2 = lon2 * cos_lat - lon1 * lat1 * sin_lat
         rate_d = -lon1 * sin_lat
-        self.rate: Triple = (east1, -lat1, rate_d)
+        self.rate: Vectors = (east1, -lat1, rate_d)
         # k stands still on the Earth: k̇ = -ρ×k in level axes
         k_n1 = rate_d * k_e - lat1 * s
         k_e1 = -rate_d * k_n - east1 * s
@@ -211,21 +213,21 @@ class _Path:
         p = ECCENTRICITY_SQUARED * N * s1 / D  # e² d(N s)/dt
         p1 = ECCENTRICITY_SQUARED * N * (s2 + 3 * g * s1) / D
         radius, radius1 = N + h, N * g + h1
-        self.velocity: Triple = (radius * lat1 - p * k_n, radius * east1 - p * k_e, -h1)
-        self.acceleration: Triple = (
+        self.velocity: Vectors = (radius * lat1 - p * k_n, radius * east1 - p * k_e, -h1)
+        self.acceleration: Vectors = (
             radius1 * lat1 + radius * lat2 - p1 * k_n - p * k_n1,
             radius1 * east1 + radius * east2 - p1 * k_e - p * k_e1,
             -h2,
         )
 
     @property
-    def normal(self) -> Triple:
+    def normal(self) -> Vectors:
         """n in grid components."""
         sin_lat, cos_lat, sin_lon, cos_lon = self._sines
         return cos_lat * cos_lon, cos_lat * sin_lon, sin_lat
 
     @property
-    def grid_north(self) -> Triple:
+    def grid_north(self) -> Vectors:
         """The level frame's first axis in grid components."""
         sin_lat, cos_lat, sin_lon, cos_lon = self._sines
         return -sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat
@@ -237,7 +239,7 @@ def earth_axis(grid: Quaternion | None) -> Vector:
 
 
 def _arm(
-    arm: tuple[Smooth, ...], t: Array, q: Four, rate: Triple, change: Triple
+    arm: tuple[Smooth, ...], t: Array, q: Quaternions, rate: Vectors, change: Vectors
 ) -> tuple[Jet, Jet, Jet]:
     """A vector of body axes seen from the level frame, with two derivatives, axis by axis."""
     (x, x1, x2), (y, y1, y2), (z, z1, z2) = (part.jet(t) for part in arm)

@@ -80,15 +80,29 @@ class Sampled(ABC):
         return self.sensed(number * interval)
 
     def chunks(
-        self, kind: Literal["increment", "rate"], samples: int, interval: float
+        self,
+        kind: Literal["increment", "rate"],
+        samples: int,
+        interval: float,
+        chunk: int | None = None,
     ) -> Iterator[Array]:
-        """Samples from time 0 on for a sensor of a kind, at most `CHUNK` at a time.
+        """Samples from time 0 on for a sensor of a kind, block by block, in bounded memory.
 
         The first increment begins there; the first rate is the one at time 0, and where it is
         averaged over T the motion half a sample before that takes part.
+
+        Args:
+            kind: what the sensor delivers.
+            samples: how many in all.
+            interval: T, s.
+            chunk: samples of a block, `CHUNK` if left out.
+
+        Yields:
+            (N, 6) as `increments` and `rates` give them.
         """
-        for first in range(0, samples, CHUNK):
-            count = min(CHUNK, samples - first)
+        chunk = chunk or CHUNK
+        for first in range(0, samples, chunk):
+            count = min(chunk, samples - first)
             if kind == "increment":
                 yield self.increments(count, interval, first)
             else:

@@ -7,11 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sculler_model.frames import Vector, conjugate, cross, product, rotate
+from sculler_model.frames import Quaternions, Vector, Vectors, conjugate, cross, product, rotate
 from sculler_model.motion.curves import Array, Curve, Smooth
-
-Triple = tuple[Array, Array, Array]
-Four = tuple[Array, Array, Array, Array]
 
 
 @dataclass(frozen=True)
@@ -47,7 +44,7 @@ def euler_turns(roll: Smooth, pitch: Smooth, heading: Smooth) -> tuple[Turn, Tur
     return Turn(Z, heading), Turn(Y, pitch), Turn(X, roll)
 
 
-def attitude(turns: Sequence[Turn], t: Array) -> tuple[Four, Triple]:
+def attitude(turns: Sequence[Turn], t: Array) -> tuple[Quaternions, Vectors]:
     """Product of the turns, first one outermost, and its angular rate.
 
     Args:
@@ -62,17 +59,17 @@ def attitude(turns: Sequence[Turn], t: Array) -> tuple[Four, Triple]:
     return q, rate
 
 
-def attitude_jet(turns: Sequence[Turn], t: Array) -> tuple[Four, Triple, Triple]:
+def attitude_jet(turns: Sequence[Turn], t: Array) -> tuple[Quaternions, Vectors, Vectors]:
     """As `attitude`, and the derivative of the rate (rad/s²), component by component."""
     one, zero = np.ones_like(t), np.zeros_like(t)
-    q: Four = (one, zero, zero, zero)
-    rate: Triple = (zero, zero, zero)
-    change: Triple = (zero, zero, zero)
+    q: Quaternions = (one, zero, zero, zero)
+    rate: Vectors = (zero, zero, zero)
+    change: Vectors = (zero, zero, zero)
     for turn in turns:
         angle, speed, gain = turn.angle.jet(t)
         sine = np.sin(0.5 * angle)
         x, y, z = turn.axis
-        step: Four = (np.cos(0.5 * angle), x * sine, y * sine, z * sine)
+        step: Quaternions = (np.cos(0.5 * angle), x * sine, y * sine, z * sine)
         back = conjugate(step)
         q = product(q, step)
         old_x, old_y, old_z = rotate(back, rate)

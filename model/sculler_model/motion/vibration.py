@@ -8,7 +8,7 @@ from math import isfinite, pi, sqrt
 import numpy as np
 
 from sculler_model.errors import InputError
-from sculler_model.motion.curves import ZERO, Curve
+from sculler_model.motion.curves import ZERO_CURVE, Curve
 from sculler_model.motion.earthbound import Motion
 from sculler_model.motion.turns import Turn, X, Y, Z
 
@@ -47,7 +47,7 @@ class Vibration:
     def on(self, motion: Motion) -> Motion:
         """The motion with this vibration of its sensors."""
         generator = np.random.default_rng(self.seed)
-        turns, arm = motion.turns, motion.arm or (ZERO, ZERO, ZERO)
+        turns, arm = motion.turns, motion.arm or (ZERO_CURVE, ZERO_CURVE, ZERO_CURVE)
         angular = [self._waves(generator, self.rate, 1) for _ in range(3)]
         linear = [self._waves(generator, self.acceleration, 2) for _ in range(3)]
         if self.rate:

@@ -5,20 +5,17 @@ where it begins; `Comparison` holds a run against its truth.  It imports `frames
 those import.
 """
 
-from sculler_model.navigation.alignment import ESTIMATED, Alignment, align, euler_sigmas
+from sculler_model.navigation.alignment import ESTIMATED, Alignment, align
+from sculler_model.navigation.attitude_estimate import AttitudeEstimate, euler_sigmas
 from sculler_model.navigation.coasting import coasted
+from sculler_model.navigation.comparison import Comparison, Figures, LeftOut, Start
 from sculler_model.navigation.compiled import compiled_run
 from sculler_model.navigation.errors import (
-    COMPONENTS,
     NAUTICAL_MILE,
-    Comparison,
-    Figures,
+    NORTH_EAST_DOWN,
     NavErrors,
-    Start,
-    interpolated,
-    known,
+    known_quantities,
     navigation_errors,
-    rows,
 )
 from sculler_model.navigation.exact import exact_increments, increments_in_inertial_space
 from sculler_model.navigation.fine_alignment import FineAlignment, align_finely
@@ -28,9 +25,10 @@ from sculler_model.navigation.gravity import (
     Gravity,
     constant_gravity,
     covers,
-    pull,
+    gravity_at,
     table_of_gravity,
 )
+from sculler_model.navigation.interpolation import interpolated
 from sculler_model.navigation.navigator import (
     HeightDamping,
     Mechanisation,
@@ -40,23 +38,24 @@ from sculler_model.navigation.navigator import (
 )
 from sculler_model.navigation.sensor_noise import NAVIGATION_GRADE, SensorNoise
 from sculler_model.navigation.state import MAX_HEIGHT, MIN_HEIGHT, NavHistory, NavState
-from sculler_model.navigation.wander import earth_at, geographic, level, travelled
 
 __all__ = [
-    "COMPONENTS",
     "ESTIMATED",
     "MAX_HEIGHT",
     "MIN_HEIGHT",
     "NAUTICAL_MILE",
     "NAVIGATION_GRADE",
     "NORMAL",
+    "NORTH_EAST_DOWN",
     "Alignment",
+    "AttitudeEstimate",
     "Comparison",
     "Figures",
     "FineAlignment",
     "GeographicNavigator",
     "Gravity",
     "HeightDamping",
+    "LeftOut",
     "Mechanisation",
     "NavErrors",
     "NavHistory",
@@ -70,19 +69,14 @@ __all__ = [
     "compiled_run",
     "constant_gravity",
     "covers",
-    "earth_at",
     "euler_sigmas",
     "exact_increments",
-    "geographic",
+    "gravity_at",
     "increments_in_inertial_space",
     "interpolated",
-    "known",
-    "level",
+    "known_quantities",
     "navigate",
     "navigation_errors",
-    "pull",
-    "rows",
     "table_of_gravity",
     "trajectory",
-    "travelled",
 ]

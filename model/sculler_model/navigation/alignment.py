@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import atan2, cos, degrees, hypot, sin, tan
+from math import atan2, cos, degrees, hypot, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +12,17 @@ from sculler_model.errors import InputError
 from sculler_model.frames import (
     EARTH_RATE,
     Quaternion,
-    Vector,
+    Quaternions,
     conjugate,
     from_rotation_vector,
     product,
     rotate,
     to_dcm,
-    to_euler,
 )
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.gravity import NORMAL, Gravity, pull
+from sculler_model.navigation.arrays import repeated, vectors
+from sculler_model.navigation.attitude_estimate import AttitudeEstimate
+from sculler_model.navigation.gravity import NORMAL, Gravity, gravity_at
 from sculler_model.navigation.sensor_noise import SensorNoise, estimated_noise
 from sculler_model.navigation.state import NavState
 
@@ -37,7 +38,7 @@ _FEWEST, _SEGMENTS = 10, 128  # intervals; parts to see the noise's spectrum in,
 
 
 @dataclass(frozen=True)
-class Alignment:
+class Alignment(AttitudeEstimate):
     """An alignment's result and how good it looks.
 
     Attributes:
@@ -63,26 +64,6 @@ class Alignment:
     noise: SensorNoise
     covariance: Array
     warnings: tuple[str, ...]
-
-    @property
-    def euler(self) -> Vector:
-        """Roll, pitch, heading, rad."""
-        return to_euler(self.q)
-
-    @property
-    def sigma(self) -> Vector:
-        """Standard deviation about north, east and down (level, level, heading), rad."""
-        return sigmas(self.covariance)
-
-    @property
-    def euler_sigma(self) -> Vector:
-        """Standard deviation of roll, pitch and heading, rad."""
-        return euler_sigmas(self.q, self.covariance)
-
-    @property
-    def heading_sigma(self) -> float:
-        """Standard deviation about the vertical, rad."""
-        return self.sigma[2]
 
     @property
     def rate(self) -> float:
@@ -134,6 +115,48 @@ def align(
             rest (specific force more than 2 % off gravity, or rate over 100 times Earth's), or it
             is too near a pole to find north.
     """
+    lean, g = gravity_at(gravity, sin(lat), h)
+    _refuse_unfit(increments, interval, lat, g)
+    count = len(increments)
+    seconds = count * interval
+    true_horizontal = EARTH_RATE * cos(lat)
+
+    # specific force in the inertial frame that the body left, at the middle of every interval
+    chain, end = _chain(increments)
+    force = np.stack(rotate(chain, vectors(increments.dv_sf / interval)), axis=1)
+    # what it must be: against gravity, in the inertial frame that north-east-down left at the start
+    times = (np.arange(count, dtype=np.float64) + 0.5) * interval
+    swing = _earth_turn(lat, times)
+    leaning = cos(lat) * lean / g
+    up = np.stack(rotate(swing, vectors(np.tile([-leaning, 0.0, -1.0], (count, 1)))), axis=1)
+    start = _wahba(force, up)
+    back = from_rotation_vector((-true_horizontal * seconds, 0.0, EARTH_RATE * sin(lat) * seconds))
+
+    # the specific force in north-east-down: constant, but for errors and disturbances
+    to_level = product(conjugate(swing), repeated(start, count))
+    level = np.stack(rotate(to_level, vectors(force)), axis=1)
+    down = _mean_down(product(to_level, chain))
+    noise, tilts, step = _noise_shown(increments, interval, level, g, noise)
+    result = Alignment(
+        q=product(back, product(start, end)),
+        seconds=seconds,
+        horizontal_rate=true_horizontal + _slope(level[:, 1], times) / g,
+        down_rate=float(increments.phi.mean(axis=0) @ down) / interval,
+        specific_force=float(np.linalg.norm(level.mean(axis=0))),
+        gravity=g,
+        noise=noise,
+        covariance=_covariance(noise, lat, seconds, tilts, step, g),
+        warnings=(),
+    )
+    return replace(result, warnings=_warnings(result, lat))
+
+
+def _refuse_unfit(increments: MajorIncrements, interval: float, lat: float, g: float) -> None:
+    """See that a window can be aligned on.
+
+    Raises:
+        InputError: as `align`.
+    """
     increments.require_whole("alignment")
     count = len(increments)
     seconds = count * interval
@@ -142,8 +165,7 @@ def align(
             f"alignment: {seconds:.3g} s of data in {count} major intervals is too short, give at"
             f" least {MIN_SECONDS:.0f} s and {_FEWEST} intervals (minutes for a good heading)"
         )
-    true_horizontal = EARTH_RATE * cos(lat)
-    if true_horizontal < 0.01 * EARTH_RATE:
+    if EARTH_RATE * cos(lat) < 0.01 * EARTH_RATE:
         raise InputError(
             f"alignment: at latitude {degrees(lat):.4g}° Earth's horizontal rate is too small to"
             " find north by, align away from the poles or give the attitude"
@@ -154,8 +176,6 @@ def align(
             f"alignment: mean rate {degrees(mean_rate):.4g} °/s is over 100 times Earth's, align"
             " at rest, or check the gyro's LSB"
         )
-
-    lean, g = pull(gravity, sin(lat), h)
     specific_force = float(np.linalg.norm(increments.dv_sf.mean(axis=0))) / interval
     if abs(specific_force / g - 1) > 0.02:
         raise InputError(
@@ -163,43 +183,31 @@ def align(
             f" ({g:.5g} m/s²), align at rest, or check the accelerometer's LSB"
         )
 
-    # specific force in the inertial frame that the body left, at the middle of every interval
-    chain, end = _chain(increments)
-    force = np.stack(rotate(chain, _columns(increments.dv_sf / interval)), axis=1)
-    # what it must be: against gravity, in the inertial frame that north-east-down left at the start
-    times = (np.arange(count, dtype=np.float64) + 0.5) * interval
-    swing = _earth_turn(lat, times)
-    leaning = cos(lat) * lean / g
-    up = np.stack(rotate(swing, _columns(np.tile([-leaning, 0.0, -1.0], (count, 1)))), axis=1)
-    start = _wahba(force, up)
-    back = from_rotation_vector((-true_horizontal * seconds, 0.0, EARTH_RATE * sin(lat) * seconds))
 
-    # the specific force in north-east-down: constant, but for errors and disturbances
-    w, x, y, z = start
-    one = np.ones(count)
-    to_level = product(conjugate(swing), (w * one, x * one, y * one, z * one))
-    level = np.stack(rotate(to_level, _columns(force)), axis=1)
-    specific_force = float(np.linalg.norm(level.mean(axis=0)))
-    east_slope = _slope(level[:, 1], times)
-    attitude = product(to_level, chain)
-    down = np.stack(rotate(conjugate(attitude), (0 * one, 0 * one, one)), axis=1).mean(axis=0)
+def _mean_down(attitude: Quaternions) -> Array:
+    """(3,) the mean of the down axis in the body."""
+    one = np.ones(len(attitude[0]))
+    down = np.stack(rotate(conjugate(attitude), (0 * one, 0 * one, one)), axis=1)
+    mean: Array = down.mean(axis=0)
+    return mean
+
+
+def _noise_shown(
+    increments: MajorIncrements, interval: float, level: Array, g: float, given: SensorNoise
+) -> tuple[SensorNoise, int, float]:
+    """The noise as given, the rest as the window shows it; in how many parts, of how many s.
+
+    Args:
+        increments, interval: of the window.
+        level: (R, 3) specific force in north-east-down, m/s².
+        g: gravity, m/s².
+        given: what is known.
+    """
     # ψ turns gravity into the level: -g ψ_E north, g ψ_N east
     tilts, step = _means(level[:, [1, 0]] / (g, -g), interval)
     each = round(step / interval)
-    angles = np.cumsum(increments.phi, axis=0)[count % each + each - 1 :: each]
-    noise = noise.completed(estimated_noise(tilts, angles, step, g))
-    result = Alignment(
-        q=product(back, product(start, end)),
-        seconds=seconds,
-        horizontal_rate=true_horizontal + east_slope / g,
-        down_rate=float(increments.phi.mean(axis=0) @ down) / interval,
-        specific_force=specific_force,
-        gravity=g,
-        noise=noise,
-        covariance=_covariance(noise, lat, seconds, len(tilts), step, g),
-        warnings=(),
-    )
-    return replace(result, warnings=_warnings(result, lat))
+    angles = np.cumsum(increments.phi, axis=0)[len(increments) % each + each - 1 :: each]
+    return given.completed(estimated_noise(tilts, angles, step, g)), len(tilts), step
 
 
 def _warnings(found: Alignment, lat: float) -> tuple[str, ...]:
@@ -230,7 +238,7 @@ def _warnings(found: Alignment, lat: float) -> tuple[str, ...]:
 
 def attitudes_at_rest(
     increments: MajorIncrements, interval: float, lat: float, found: Alignment
-) -> tuple[tuple[Array, Array, Array, Array], Quaternion]:
+) -> tuple[Quaternions, Quaternion]:
     """An alignment's q_nb all through its window, as the gyros carry it.
 
     Args:
@@ -246,14 +254,12 @@ def attitudes_at_rest(
     half = -0.5 * EARTH_RATE * count * interval
     back: Quaternion = (cos(half), cos(lat) * sin(half), 0.0, -sin(lat) * sin(half))
     start = product(conjugate(back), product(found.q, conjugate(end)))
-    w, x, y, z = start
-    one = np.ones(count)
     times = (np.arange(count, dtype=np.float64) + 0.5) * interval
     swing = conjugate(_earth_turn(lat, times))
-    return product(swing, product((w * one, x * one, y * one, z * one), chain)), found.q
+    return product(swing, product(repeated(start, count), chain)), found.q
 
 
-def _chain(increments: MajorIncrements) -> tuple[tuple[Array, Array, Array, Array], Quaternion]:
+def _chain(increments: MajorIncrements) -> tuple[Quaternions, Quaternion]:
     """Body attitude since the start, in inertial space: before every interval, and at the end."""
     attitudes: list[Quaternion] = [(1.0, 0.0, 0.0, 0.0)]
     for phi in increments.phi.tolist():
@@ -262,11 +268,7 @@ def _chain(increments: MajorIncrements) -> tuple[tuple[Array, Array, Array, Arra
     return (w, x, y, z), attitudes[-1]
 
 
-def _columns(vectors: Array) -> tuple[Array, Array, Array]:
-    return vectors[:, 0], vectors[:, 1], vectors[:, 2]
-
-
-def _earth_turn(lat: float, times: Array) -> tuple[Array, Array, Array, Array]:
+def _earth_turn(lat: float, times: Array) -> Quaternions:
     """Attitude of north-east-down at times (s), against where it was at time 0."""
     half = 0.5 * EARTH_RATE * times
     sine = np.sin(half)
@@ -345,24 +347,3 @@ def _turned(lat: float, seconds: float) -> Quaternion:
     """`_earth_turn` for one time."""
     w, x, y, z = (float(part[0]) for part in _earth_turn(lat, np.array([seconds])))
     return (w, x, y, z)
-
-
-def sigmas(covariance: Array) -> Vector:
-    """Standard deviations of a (3, 3) covariance."""
-    x, y, z = np.sqrt(np.diag(covariance)).tolist()
-    return (x, y, z)
-
-
-def euler_sigmas(q: Quaternion, covariance: Array) -> Vector:
-    """Standard deviations of roll, pitch and heading (rad) at q_nb.
-
-    Args:
-        q: body to north-east-down.
-        covariance: (3, 3) of the attitude about north, east and down, rad².
-    """
-    _, pitch, heading = to_euler(q)
-    along = np.array([cos(heading), sin(heading), 0.0])
-    across = np.array([-sin(heading), cos(heading), 0.0])
-    down = np.array([0.0, 0.0, 1.0])
-    rates = np.stack((along / cos(pitch), across, down + tan(pitch) * along))
-    return sigmas(rates @ covariance @ rates.T)

@@ -13,13 +13,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.frames import EARTH_RATE, conjugate, product, rotate
+from sculler_model.frames import EARTH_RATE, Quaternions, Vectors, conjugate, product, rotate
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.state import NavHistory
 
 Array = NDArray[np.float64]
-Triple = tuple[Array, Array, Array]
-Four = tuple[Array, Array, Array, Array]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _BLOCK = 50_000
@@ -49,7 +47,7 @@ def exact_increments(motion: Earthbound, count: int, interval: float) -> MajorIn
         φ (rad), α = φ (not the integral of the rate: nobody navigates by it) and ΔV_SF (m/s).
     """
 
-    def sensed(t: Array) -> tuple[Four, Triple]:
+    def sensed(t: Array) -> tuple[Quaternions, Vectors]:
         true = motion.state(t)
         w, x, y, z = true.q.T
         q = product(_north_east_down(true.lat, true.lon + EARTH_RATE * t), (w, x, y, z))
@@ -60,7 +58,7 @@ def exact_increments(motion: Earthbound, count: int, interval: float) -> MajorIn
 
 
 def increments_in_inertial_space(
-    sensed: Callable[[Array], tuple[Four, Triple]], count: int, interval: float
+    sensed: Callable[[Array], tuple[Quaternions, Vectors]], count: int, interval: float
 ) -> MajorIncrements:
     """The same for a motion told in inertial space.
 
@@ -83,14 +81,14 @@ def increments_in_inertial_space(
     return MajorIncrements.concatenate(parts)
 
 
-def _north_east_down(lat: Array, lon: Array) -> Four:
+def _north_east_down(lat: Array, lon: Array) -> Quaternions:
     """q_en: C_en = R_z(lon) R_y(-90° - lat)."""
     zero, turn, tip = np.zeros_like(lat), 0.5 * lon, -0.25 * pi - 0.5 * lat
-    east: Four = (np.cos(turn), zero, zero, np.sin(turn))
+    east: Quaternions = (np.cos(turn), zero, zero, np.sin(turn))
     return product(east, (np.cos(tip), zero, np.sin(tip), zero))
 
 
-def _logarithm(q: Four) -> Array:
+def _logarithm(q: Quaternions) -> Array:
     """(N, 3) rotation vectors, the short way round."""
     w, x, y, z = q
     sine = np.sqrt(x * x + y * y + z * z)

@@ -27,7 +27,6 @@ from sculler_model.frames import (
     from_rotation_vector,
     product,
     rotate,
-    to_euler,
 )
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.alignment import (
@@ -35,10 +34,10 @@ from sculler_model.navigation.alignment import (
     Alignment,
     align,
     attitudes_at_rest,
-    euler_sigmas,
-    sigmas,
 )
-from sculler_model.navigation.gravity import NORMAL, Gravity, pull
+from sculler_model.navigation.arrays import vectors
+from sculler_model.navigation.attitude_estimate import AttitudeEstimate
+from sculler_model.navigation.gravity import NORMAL, Gravity, gravity_at
 from sculler_model.navigation.sensor_noise import SensorNoise
 from sculler_model.navigation.state import NavState
 
@@ -54,7 +53,7 @@ _ROUNDING = 1e-7  # m/s
 
 
 @dataclass(frozen=True)
-class FineAlignment:
+class FineAlignment(AttitudeEstimate):
     """The filter's result and what it may be off, one standard deviation.
 
     Attributes:
@@ -74,21 +73,6 @@ class FineAlignment:
     gyro_bias: Vector
     gyro_bias_sigma: Vector
     surprise: float
-
-    @property
-    def euler(self) -> Vector:
-        """Roll, pitch, heading, rad."""
-        return to_euler(self.q)
-
-    @property
-    def sigma(self) -> Vector:
-        """Standard deviation about north, east and down (level, level, heading), rad."""
-        return sigmas(self.covariance)
-
-    @property
-    def euler_sigma(self) -> Vector:
-        """Standard deviation of roll, pitch and heading, rad."""
-        return euler_sigmas(self.q, self.covariance)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -148,17 +132,42 @@ def align_finely(
     """
     coarse = align(increments, interval, lat, h, noise, gravity)
     noise = coarse.noise
-    lean, g = pull(gravity, sin(lat), h)
+    lean, g = gravity_at(gravity, sin(lat), h)
     q, end = attitudes_at_rest(increments, interval, lat, coarse)
-    gained = np.stack(rotate(q, (*increments.dv_sf.T,)), axis=1)[:, :2]
+    gained = np.stack(rotate(q, vectors(increments.dv_sf)), axis=1)[:, :2]
     gained[:, 0] += interval * cos(lat) * lean
     per_step = max(1, round(STEP_SECONDS / interval))
     steps = len(gained) // per_step
     first = len(gained) - steps * per_step  # the odd ones go at the beginning
     velocity = np.cumsum(gained[first:].reshape(steps, per_step, 2).sum(axis=1), axis=0)
 
-    rates = _dynamics(lat, g)
-    transition, spread = _discrete(rates, noise, per_step * interval)
+    transition, spread = _discrete(_dynamics(lat, g), noise, per_step * interval)
+    x, P, surprise = _filtered(velocity, transition, spread, coarse)
+    psi_n, psi_e, psi_d, _, _, bias_n, bias_e, bias_d = x.tolist()
+    fine = product(from_rotation_vector((-psi_n, -psi_e, -psi_d)), end)
+    spread_n, spread_e, spread_d = np.sqrt(np.diag(P)[5:]).tolist()
+    unseen = noise.gyro_bias is None
+    return FineAlignment(
+        coarse=coarse,
+        q=fine,
+        covariance=P[:3, :3] + _tilts(noise, g),
+        gyro_bias=rotate(conjugate(fine), (bias_n, bias_e, bias_d)),
+        gyro_bias_sigma=(spread_n, nan if unseen else spread_e, nan if unseen else spread_d),
+        surprise=surprise,
+    )
+
+
+def _filtered(
+    velocity: Array, transition: Array, spread: Array, coarse: Alignment
+) -> tuple[Array, Array, float]:
+    """The Kalman filter over all steps: the states, their covariance, and the surprise.
+
+    Args:
+        velocity: (S, 2) that the unit seems to have gained, north and east, m/s.
+        transition, spread: (8, 8) over a step, and the covariance of its noise.
+        coarse: where it starts.
+    """
+    noise, steps = coarse.noise, len(velocity)
     x = np.zeros(8)
     seen_at_once = max(noise.velocity_noise or 0.0, _ROUNDING)
     bias = [noise.gyro_bias] * 3 if noise.gyro_bias is not None else [_ANY_BIAS, 0.0, 0.0]
@@ -176,18 +185,7 @@ def align_finely(
         keep = np.eye(8)
         keep[:, 3:5] -= gain
         P = keep @ P @ keep.T + gain @ R @ gain.T  # Joseph's form stays symmetric and positive
-    psi_n, psi_e, psi_d, _, _, bias_n, bias_e, bias_d = x.tolist()
-    fine = product(from_rotation_vector((-psi_n, -psi_e, -psi_d)), end)
-    spread_n, spread_e, spread_d = np.sqrt(np.diag(P)[5:]).tolist()
-    unseen = noise.gyro_bias is None
-    return FineAlignment(
-        coarse=coarse,
-        q=fine,
-        covariance=P[:3, :3] + _tilts(noise, g),
-        gyro_bias=rotate(conjugate(fine), (bias_n, bias_e, bias_d)),
-        gyro_bias_sigma=(spread_n, nan if unseen else spread_e, nan if unseen else spread_d),
-        surprise=surprise,
-    )
+    return x, P, surprise
 
 
 def _tilts(noise: SensorNoise, g: float) -> Array:

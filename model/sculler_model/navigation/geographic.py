@@ -20,7 +20,7 @@ from sculler_model.frames import (
     transport_rate,
 )
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.gravity import NORMAL, Gravity, covers, pull, refuse_outside
+from sculler_model.navigation.gravity import NORMAL, Gravity, covers, gravity_at, refuse_outside
 from sculler_model.navigation.state import (
     NavHistory,
     NavState,
@@ -108,7 +108,7 @@ class GeographicNavigator:
         dv = plus(plus(dv, once, -0.5), cross(zeta, once), 1 / 12)
         coriolis = cross((2 * ie_n + en_n, 2 * ie_e + en_e, 2 * ie_d + en_d), v_mid)
         north, east, down = plus(plus(old.v, dv, 1.0), coriolis, -T)
-        lean, pulled = pull(self._gravity, sin_mid, h_mid)
+        lean, pulled = gravity_at(self._gravity, sin_mid, h_mid)
         v: Vector = (north + T * cos_mid * lean, east, down + T * pulled)
 
         # position: trapezoid, the curvature taken at its middle

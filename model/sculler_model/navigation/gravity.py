@@ -1,7 +1,7 @@
 """Models of gravity to navigate by: the normal field, a constant, or what was measured.
 
-A `Gravity` is a plain tuple and `pull` is arithmetic on floats, so that the navigator compiles
-them with the rest.
+A `Gravity` is a plain tuple and `gravity_at` is arithmetic on floats, so that the navigator
+compiles them with the rest.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ LEAST, MOST = 5.0, 10.0
 """What a model may say, m/s²: on the Earth gravity is 9.76 to 9.84, at 1000 km 7.3."""
 
 
-class Table(NamedTuple):
+class GravityTable(NamedTuple):
     """Points of a table of gravity.
 
     Attributes:
@@ -45,7 +45,7 @@ class Gravity(NamedTuple):
     """
 
     value: float | None
-    table: Table | None
+    table: GravityTable | None
 
     def __str__(self) -> str:
         """In words."""
@@ -116,16 +116,16 @@ def table_of_gravity(lats: Array, heights: Array, values: Array) -> Gravity:
             f" {MOST:g}"
         )
     normal = gravity(np.sin(lats)[:, None], heights[None, :])
-    return Gravity(None, Table(np.degrees(lats), heights, values - normal))
+    return Gravity(None, GravityTable(np.degrees(lats), heights, values - normal))
 
 
-def pull(model: Gravity, sin_lat: float, height: float) -> tuple[float, float]:
+def gravity_at(model: Gravity, sin_lat: float, height: float) -> tuple[float, float]:
     """Gravity at a place, as `earth.normal_gravity` gives it: its lean, and its part down, m/s²."""
-    return _pull(model.value, model.table, sin_lat, height)
+    return _gravity_at(model.value, model.table, sin_lat, height)
 
 
-def _pull(
-    value: float | None, table: Table | None, sin_lat: float, height: float
+def _gravity_at(
+    value: float | None, table: GravityTable | None, sin_lat: float, height: float
 ) -> tuple[float, float]:
     # Numba leaves out what an argument of None makes idle: each model is compiled by itself
     if value is not None:
@@ -136,7 +136,7 @@ def _pull(
     return lean, down
 
 
-def _excess(table: Table, lat: float, height: float) -> float:
+def _excess(table: GravityTable, lat: float, height: float) -> float:
     """What a table has more than normal gravity (m/s²) at a latitude (degrees) and height."""
     lats, heights, points = table
     i, k, right = _between(lats, lat)
@@ -165,7 +165,7 @@ def covers(model: Gravity, lat: float, height: float) -> bool:
     return MIN_HEIGHT <= height <= MAX_HEIGHT and _covers(model.table, lat, height)
 
 
-def _covers(table: Table | None, lat: float, height: float) -> bool:
+def _covers(table: GravityTable | None, lat: float, height: float) -> bool:
     if table is None:
         return True
     lats, heights, _ = table

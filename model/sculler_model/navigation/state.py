@@ -9,18 +9,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import degrees, isfinite, pi, sqrt
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
 from sculler_model.frames import Quaternion, Vector, euler_angles, to_euler
-
-if TYPE_CHECKING:
-    from sculler_model.host import MajorIncrements
+from sculler_model.host import MajorIncrements
 
 Array = NDArray[np.float64]
+
+Rows = TypeVar("Rows", slice, NDArray[np.intp], NDArray[np.bool_])
 
 MIN_HEIGHT, MAX_HEIGHT = -10e3, 1000e3
 """Heights (m) to navigate in; normal gravity is right at all of them."""
@@ -115,6 +115,18 @@ class NavHistory:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def rows(self, which: Rows) -> NavHistory:
+        """Some of the states: a slice, indices or a mask."""
+        return NavHistory(
+            self.time[which],
+            self.q[which],
+            self.v[which],
+            self.lat[which],
+            self.lon[which],
+            self.h[which],
+            self.wander[which],
+        )
 
     def state(self, row: int) -> NavState:
         """The state of one row."""

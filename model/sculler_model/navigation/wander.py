@@ -35,7 +35,7 @@ from sculler_model.frames import (
     rotate,
     to_dcm,
 )
-from sculler_model.navigation.gravity import Gravity, pull
+from sculler_model.navigation.gravity import Gravity, gravity_at
 
 AT_POLE = 1e-12
 """Cosine of latitude below which north and longitude are by convention: 6 µm from a pole."""
@@ -171,7 +171,7 @@ def earth_at(place: Quaternion, h: float, model: Gravity) -> Earth:
     meridian, prime_vertical = radii(pz)
     across = 1 / (prime_vertical + h)
     kappa = ECCENTRICITY_SQUARED / (1 - ECCENTRICITY_SQUARED) * across * meridian / (meridian + h)
-    leaning, down = pull(model, -pz, h)
+    leaning, down = gravity_at(model, -pz, h)
     return Earth(
         (EARTH_RATE * px, EARTH_RATE * py, EARTH_RATE * pz),
         (across + kappa * px * px, kappa * px * py, across + kappa * py * py),
@@ -225,8 +225,10 @@ def turned_and_pulled(there: Earth, v: Vector, interval: float) -> tuple[Vector,
     return (T * x, T * y, T * z), (T * pull_x, T * pull_y, T * pull_z)
 
 
-def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vector) -> Level:
-    """Carry the state over one major interval: velocity, position, then attitude.
+def carried(
+    now: Level, settings: Settings, mid: Earth, damped: Vector, dv_sf: Vector, dr_sf: Vector
+) -> tuple[Vector, Vector]:
+    """Velocity (m/s) at the end of the interval, and the way over it (m), both in w.
 
     The frame w turns by ζ while the specific force acts.  A force constant in w, as at rest or in
     steady flight, then gives (I - ½ζ× + (ζ×)²/12) C_wb ΔV_SF: exact to ζ⁴/720, where Savage-98
@@ -237,6 +239,37 @@ def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vect
     at the interval ends stands off its mean, does no harm: Coriolis and transport rate are those of
     the mean velocity, way over T, and -½ζ× ΔV_SF becomes -ζ× (ΔV_SF - ΔR_SF/T), which holds for any
     course of the force.  The term in ζ² then is 1/6 for a force constant in w.
+
+    Args:
+        now, settings, dv_sf, dr_sf: as for `step`.
+        mid: the Earth at the middle of the interval.
+        damped: what the height loop adds to the velocity, m/s.
+    """
+    T = settings.interval
+    v_mid = plus(now.v, plus(now.v, now.v_past, -1.0), 0.5)
+    zeta, dv_g_cor = turned_and_pulled(mid, v_mid, T)
+    dv = rotate(now.q, dv_sf)
+    once = cross(zeta, dv)
+    twice = cross(zeta, once)
+
+    # velocity (Savage-98 Eq. 4-7, 11, 13) and way over the interval (Eq. 75 or 83)
+    way = NOT_YET
+    if settings.high_resolution:
+        dr = rotate(now.q, dr_sf)
+        half = plus(plus(now.v, dv_g_cor, 0.5), damped, 0.5)
+        way = plus(dr, plus(plus(half, once, -1 / 6), twice, 1 / 24), T)
+        zeta, dv_g_cor = turned_and_pulled(mid, (way[0] / T, way[1] / T, way[2] / T), T)
+        dv_sf_w = plus(plus(dv, cross(zeta, plus(dv, dr, -1 / T)), -1.0), twice, 1 / 6)
+    else:
+        dv_sf_w = plus(plus(dv, once, -0.5), twice, 1 / 12)
+    v = plus(plus(plus(now.v, dv_sf_w, 1.0), dv_g_cor, 1.0), damped, 1.0)
+    if not settings.high_resolution:
+        way = plus((0.5 * T * v[0], 0.5 * T * v[1], 0.5 * T * v[2]), now.v, 0.5 * T)
+    return v, way
+
+
+def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vector) -> Level:
+    """Carry the state over one major interval: velocity, position, then attitude.
 
     Args:
         now: at the start of the interval.
@@ -253,29 +286,12 @@ def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vect
     T, j = settings.interval, settings.position_every
     # the middle of the interval, by extrapolation (Savage-98 Eq. 8, 9, 19)
     mid = between(now.earth, now.earth_past, -(now.since + 0.5) / j)
-    v_mid = plus(now.v, plus(now.v, now.v_past, -1.0), 0.5)
-    zeta, dv_g_cor = turned_and_pulled(mid, v_mid, T)
-    dv = rotate(now.q, dv_sf)
-    once = cross(zeta, dv)
-    twice = cross(zeta, once)
     k1, k2, k3, reference = settings.damping
     too_high = now.h + now.climb - reference
     offset = now.offset + T * k3 * too_high
     damped = (0.0, 0.0, T * (k2 * too_high + offset))
 
-    # velocity (Savage-98 Eq. 4-7, 11, 13) and way over the interval (Eq. 75 or 83)
-    way = NOT_YET
-    if settings.high_resolution:
-        dr = rotate(now.q, dr_sf)
-        half = plus(plus(now.v, dv_g_cor, 0.5), damped, 0.5)
-        way = plus(dr, plus(plus(half, once, -1 / 6), twice, 1 / 24), T)
-        zeta, dv_g_cor = turned_and_pulled(mid, (way[0] / T, way[1] / T, way[2] / T), T)
-        dv_sf_w = plus(plus(dv, cross(zeta, plus(dv, dr, -1 / T)), -1.0), twice, 1 / 6)
-    else:
-        dv_sf_w = plus(plus(dv, once, -0.5), twice, 1 / 12)
-    v = plus(plus(plus(now.v, dv_sf_w, 1.0), dv_g_cor, 1.0), damped, 1.0)
-    if not settings.high_resolution:
-        way = plus((0.5 * T * v[0], 0.5 * T * v[1], 0.5 * T * v[2]), now.v, 0.5 * T)
+    v, way = carried(now, settings, mid, damped, dv_sf, dr_sf)
 
     # position: what the way turns w by (Eq. 71-73)
     xi = travelled(mid.curvature, way)

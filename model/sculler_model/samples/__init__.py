@@ -5,22 +5,28 @@ stuck counts, rails and spikes; the functions of instants are the one definition
 and an interval are.  It imports `algorithms` and `design`.
 """
 
-from sculler_model.samples.instants import end_after_stamp, interval_end, interval_ends, stamp
-from sculler_model.samples.plausibility import Finding, Plausibility, told
+from sculler_model.samples.instants import (
+    end_after_stamp,
+    interval_end,
+    interval_ends,
+    sample_stamp,
+)
+from sculler_model.samples.plausibility import Finding, FindingKind, Plausibility, in_words
 from sculler_model.samples.quantiser import Quantiser
 from sculler_model.samples.resampler import Gridded, Kind, Resampler, lagrange_weights
 
 __all__ = [
     "Finding",
+    "FindingKind",
     "Gridded",
     "Kind",
     "Plausibility",
     "Quantiser",
     "Resampler",
     "end_after_stamp",
+    "in_words",
     "interval_end",
     "interval_ends",
     "lagrange_weights",
-    "stamp",
-    "told",
+    "sample_stamp",
 ]

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from sculler_model.design import Design
 
 
-def stamp(design: Design, sample: int) -> float:
+def sample_stamp(design: Design, sample: int) -> float:
     """The stamp (s) of a sample, counted from 0, on a clock that began with the log (t0 = 0)."""
     return (sample + _stamp_of_first(design)) / design.sensor.sample_rate_hz
 

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from sculler_model.design import Design
 from sculler_model.samples.quantiser import INPUT_COLUMNS
 
-Table = NDArray[Any]
+Counts = NDArray[Any]
 """(N, 6) samples in counts."""
 
-Kind = Literal["zero", "frozen", "stuck", "rail", "spike"]
+FindingKind = Literal["zero", "frozen", "stuck", "rail", "spike"]
 
 BLOCK = 1 << 13
 """Samples looked at together."""
@@ -52,7 +52,7 @@ class Finding:
         time: stamp of the first sample, s; None where it is not known.
     """
 
-    kind: Kind
+    kind: FindingKind
     first: int
     samples: int
     column: str | None
@@ -86,8 +86,8 @@ class Plausibility:
         self._look_at_rails = rails
         self._long = max(_MANY, round(_LONG * rate))
         self._frozen = max(_MANY, round(_FROZEN * rate))
-        self._waiting: list[tuple[Table, NDArray[np.float64] | None]] = []
-        self._rows: Table = np.zeros((0, 6))  # the last ones looked at
+        self._waiting: list[tuple[Counts, NDArray[np.float64] | None]] = []
+        self._rows: Counts = np.zeros((0, 6))  # the last ones looked at
         self._columns = self._rows.T
         self._times: NDArray[np.float64] | None = None
         self._first = 0  # number of the first of them
@@ -95,12 +95,12 @@ class Plausibility:
         self._since_times: list[float | None] = [None] * 7
         self._noisy = np.zeros(6, np.bool_)  # columns that have shown noise
         self.findings: list[Finding] = []
-        self.counts: dict[Kind, int] = {}
+        self.counts: dict[FindingKind, int] = {}
         self._rail_samples = np.zeros(6, np.int64)
         self._rail_first: list[Finding | None] = [None] * 6
         self._spiked: set[tuple[int, int]] = set()
 
-    def __call__(self, counts: Table, times: NDArray[np.float64] | None = None) -> None:
+    def __call__(self, counts: Counts, times: NDArray[np.float64] | None = None) -> None:
         """Look at the next samples.
 
         Args:
@@ -195,7 +195,7 @@ class Plausibility:
         if column == 6:
             zero = not run[-1].any()
             if zero or samples >= self._frozen:
-                kind: Kind = "zero" if zero else "frozen"
+                kind: FindingKind = "zero" if zero else "frozen"
                 self._add(Finding(kind, first, samples, None, None, time))
             return
         noise = _noise(run)
@@ -204,7 +204,7 @@ class Plausibility:
             name, value = INPUT_COLUMNS[column], float(run[-1, column])
             self._add(Finding("stuck", first, samples, name, value, time))
 
-    def _at(self, kind: Kind, row: int, samples: int, column: int) -> Finding:
+    def _at(self, kind: FindingKind, row: int, samples: int, column: int) -> Finding:
         """A finding of one column that begins at a row."""
         value, name = float(self._rows[row, column]), INPUT_COLUMNS[column]
         return Finding(kind, self._first + row, samples, name, value, self._time(row))
@@ -243,7 +243,7 @@ def _stands_out(values: NDArray[np.float64], at: int) -> bool:
     return size > _SPIKE * max(float(off.max()), 1.0)
 
 
-def _noise(rows: Table) -> NDArray[np.bool_]:
+def _noise(rows: Counts) -> NDArray[np.bool_]:
     """(6,) which columns show noise."""
     if len(rows) < _MANY:
         return np.zeros(6, np.bool_)
@@ -253,9 +253,9 @@ def _noise(rows: Table) -> NDArray[np.bool_]:
     return noisy
 
 
-def told(
+def in_words(
     findings: list[Finding],
-    counts: dict[Kind, int],
+    counts: dict[FindingKind, int],
     place: Callable[[int], str] = "sample {}".format,
     shown: int = 10,
 ) -> list[str]:
@@ -267,7 +267,7 @@ def told(
         shown: findings of a kind to list.
     """
     lines: list[str] = []
-    seen: dict[Kind, int] = {}
+    seen: dict[FindingKind, int] = {}
     for each in findings:
         seen[each.kind] = seen.get(each.kind, 0) + 1
         if seen[each.kind] <= shown:

@@ -19,7 +19,8 @@ INPUT_COLUMNS = tuple(f"{sensor}_{axis}" for sensor in ("gyro", "accel") for axi
 
 _FRACTION_BITS = 42
 _HALF = 1 << (_FRACTION_BITS - 1)
-_BLOCK = 1 << 19  # the sum of so many fractions, each below 2**42, stays below 2**62
+BLOCK = 1 << 19
+"""Samples quantised at a time: so many fractions, each below 2**42, sum to less than 2**62."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +51,10 @@ class Quantiser:
 
     Args:
         design: gives widths, LSBs and kind of the sensor.
+        block: samples quantised at a time, at most `BLOCK`; makes no difference to the counts.
     """
 
-    def __init__(self, design: Design) -> None:
+    def __init__(self, design: Design, block: int = BLOCK) -> None:
         self.design = design
         gyro, accel = design.sensor.gyro, design.sensor.accel
         self._lsb = np.array([gyro.lsb] * 3 + [accel.lsb] * 3)
@@ -62,6 +64,7 @@ class Quantiser:
         self._bits = [r.bits for r in ranges]
         increments = design.sensor.kind == "increment"
         self._units = ["rad" if increments else "rad/s"] * 3 + ["m/s" if increments else "m/s²"] * 3
+        self._size = min(block, BLOCK)
         self._samples = 0
         self._carry = np.zeros(6, np.int64)
         self._largest = np.zeros(6, np.int64)
@@ -86,8 +89,9 @@ class Quantiser:
         before = self._samples, self._carry, self._largest
         counts = np.empty(values.shape, np.int64)
         try:
-            for first in range(0, len(values), _BLOCK):
-                counts[first : first + _BLOCK] = self._block(values[first : first + _BLOCK])
+            for first in range(0, len(values), self._size):
+                part = slice(first, first + self._size)
+                counts[part] = self._block(values[part])
         except InputError:
             self._samples, self._carry, self._largest = before
             raise

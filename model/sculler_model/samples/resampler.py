@@ -18,14 +18,16 @@ four samples at that end.
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler_model.algorithms import SensorKind
 from sculler_model.errors import InputError
 
-Kind = Literal["increment", "rate"]
+Kind: TypeAlias = SensorKind
+"""What samples are: increments over steps, or rates at instants."""
 
 _NODES = 4
 _GAUSS = 0.5 / np.sqrt(3.0)  # two-point Gauss-Legendre: exact for cubics

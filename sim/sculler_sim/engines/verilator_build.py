@@ -16,8 +16,7 @@ from pathlib import Path
 
 import sculler_hdl
 import sculler_model
-from sculler_hdl.ports import Port, component_ports, sample_ports
-from sculler_hdl.verilog import generate
+from sculler_hdl import Port, component_ports, generate, sample_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.golden import WORD_BITS, words_per_column, words_per_result

@@ -15,8 +15,8 @@ from sculler_model.algorithms import (
     Balance,
     Band,
     Fit,
-    Mount,
     Response,
+    RotaryMode,
     Sinc,
     TapTable,
     closest_integers,
@@ -73,7 +73,7 @@ def weights(hertz: NDArray[np.float64]) -> dict[str, tuple[Band, NDArray[np.floa
         "psd": (Band(Q(20), Q(450), table), lines),
         "profile": (Band(Q(20), Q(450), table, True), profile),
         "mounted": (
-            Band(Q(20), Q(450), table, True, Mount(Q(50), Q(1, 8))),
+            Band(Q(20), Q(450), table, True, RotaryMode(Q(50), Q(1, 8))),
             profile / ((1 - r) ** 2 + 4 * 0.125**2 * r),
         ),
     }

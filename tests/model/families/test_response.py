@@ -12,7 +12,7 @@ import pytest
 from scipy import signal
 
 from sculler_model.algorithms import Analogue, Digital, Measured, Response, Sinc, Stage, decimals
-from sculler_model.design import read_response
+from sculler_model.design.options import read_response
 from sculler_model.errors import InputError
 
 Q = Fraction

@@ -15,7 +15,7 @@ from sculler.commands.options.vibration import SPECTRUM_HELP, mount, mount_optio
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from sculler_model.analysis.vibration import Errors, Mount, Response, Spectrum
+    from sculler_model.analysis.vibration import Errors, Mount, MountResponse, Spectrum
     from sculler_model.design import Design
 
 PER_HOUR = degrees(1) * 3600
@@ -58,13 +58,14 @@ def command(
     centre of mass (Savage-98 section VI), their signs chosen to be worst.  `model` has the phases
     of that model; `worst phase` bounds any phases.
     """
-    from sculler_model.analysis.vibration import Spectrum, respond, sensor_filter, step_for
+    from sculler.formats.spectra import spectrum_of
+    from sculler_model.analysis.vibration import respond, sensor_filter, step_for
 
     subjects.require_picture(output)
     names = mount.__annotations__
     shaken = mount(**{name: options.pop(name) for name in names if name in options})
     designs = {name: found.design for name, found in subjects.subjects(**options).items()}
-    psd = Spectrum.parse(spectrum)
+    psd = spectrum_of(spectrum)
     data: dict[str, Any] = {}
     first = None
     for name, design in designs.items():
@@ -109,7 +110,7 @@ def _errors(errors: Errors) -> dict[str, float]:
     }
 
 
-def _motion(response: Response) -> dict[str, Any]:
+def _motion(response: MountResponse) -> dict[str, Any]:
     """What the sensor assembly feels, and what it rectifies to."""
     from sculler_model.analysis.vibration import G
 

@@ -1,0 +1,74 @@
+"""What a design takes in hardware and work, counted from its word lengths and its tap table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sculler_model.design import Design, Interval
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a design takes.
+
+    Attributes:
+        rows: non-zero tap rows a minor interval.
+        additions: of shifted samples, to form A, B, θ and v once (canonical signed digits, three
+            axes, both sensors); a minor interval's work.
+        multiplications: a sample, on average.
+        widest: bits of the widest accumulator.
+        area: full adders of all products and tap sums, each counted once whatever is shared,
+            and bits of history and accumulators.
+        work: full-adder operations a second.
+    """
+
+    rows: int
+    additions: int
+    multiplications: float
+    widest: int
+    area: int
+    work: float
+
+
+def signed_digit_count(value: int) -> int:
+    """Non-zero digits of the canonical signed-digit form: 7 = 8 - 1 has two."""
+    value = abs(value)
+    return (value ^ (3 * value)).bit_count()
+
+
+def cost(design: Design) -> Cost:
+    """Count a design's hardware and work."""
+    table, words = design.table, design.words
+    n, between = table.samples, design.algorithm.minors > 1
+    gyro, accel, A, B = words.gyro, words.accel, words.gyro_taps, words.accel_taps
+    minors = design.algorithm.minors
+    alpha, nu = (item.repeated(max(minors - 1, 1)) for item in (words.theta, words.v))
+
+    def products(pairs: Sequence[tuple[Interval, Interval]]) -> int:
+        """Full adders of the cross products of these pairs, six products each."""
+        return sum(6 * left.bits * right.bits for left, right in pairs)
+
+    within_cells = products([(A, gyro), (A, accel), (B, gyro)])
+    between_cells = products([(alpha, words.theta), (alpha, words.v), (nu, words.theta)])
+    between_cells *= between
+
+    rows = [row for row in table.taps if any(row)]
+    digits = [sum(map(signed_digit_count, row)) - 1 for row in [*rows, table.weights]]
+    # each addition for three axes of both sensors; weights make θ and v
+    widths = [A.bits + B.bits] * len(rows) + [words.theta.bits + words.v.bits]
+    tap_cells = [3 * count * width for count, width in zip(digits, widths, strict=True)]
+
+    vectors = ["alpha", "nu", "coning_within", "sculling_within"]
+    vectors += ["coning_between", "sculling_between"] * between
+    registers = 3 * sum(getattr(words, vector).bits for vector in vectors)
+    registers += 3 * table.history * (gyro.bits + accel.bits)
+    minor = len(rows) * within_cells + between_cells + sum(tap_cells)
+    return Cost(
+        rows=len(rows),
+        additions=6 * sum(digits),
+        multiplications=18 * (len(rows) + between) / n,
+        widest=max(getattr(words, vector).bits for vector in vectors),
+        area=within_cells + between_cells + sum(tap_cells) + registers,
+        work=minor * design.sensor.sample_rate_hz / n,
+    )

@@ -1,0 +1,238 @@
+"""The design file's [algorithm], and the tap table that it asks for."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationInfo, field_validator
+
+from sculler_model.algorithms import (
+    BASES,
+    FAMILIES,
+    MAX_SAMPLES,
+    TABLES,
+    Match,
+    Recipe,
+    Sum,
+    TapTable,
+    make,
+    rational,
+)
+from sculler_model.design.options import BandTable, FilterTable, response
+from sculler_model.design.result import VECTORS
+from sculler_model.design.sensor import Sensor
+from sculler_model.design.word_lengths import MAX_BITS, word_lengths
+from sculler_model.errors import InputError
+from sculler_model.schema import Part
+
+
+class UserTable(Part):
+    """The user's own tap table, in the form `sculler coefficients --json` prints."""
+
+    denominator: Annotated[int, Field(ge=1, description="a whole number >= 1")]
+    taps: Annotated[
+        list[int | list[int]],
+        Field(min_length=1, description="n rows of whole numbers, or one flat row for phase n"),
+    ]
+    sum_denominator: Annotated[int, Field(ge=1, description="a whole number >= 1")] = 1
+    weights: Annotated[
+        list[int] | None, Field(description="up to n + 1 whole numbers, distance 0..n")
+    ] = None
+
+
+class Algorithm(Part):
+    """The high-rate algorithm.  Field order matters: later ones are checked against earlier.
+
+    position: "high-resolution" adds the vectors s_alpha, s_nu and scrolling (`scrolling`), from
+        which the host has the way over each major interval; "trapezoidal", which is the default,
+        has none of them.
+    """
+
+    samples: Annotated[
+        int, Field(ge=1, le=MAX_SAMPLES, description=f"a whole number from 1 to {MAX_SAMPLES}")
+    ]
+    history: Annotated[int, Field(ge=0, description="a whole number from 0 to samples")] = 0
+    minors: Annotated[int, Field(ge=1, le=4096, description="a whole number from 1 to 4096")]
+    family: Annotated[
+        Literal[
+            "frequency-taylor",
+            "filtered-rate",
+            "time-taylor",
+            "uncompressed",
+            "least-squares",
+            "tuned",
+            "table",
+        ],
+        Field(description=", ".join(f'"{family}"' for family in FAMILIES) + ' or "table"'),
+    ]
+    table: Annotated[
+        UserTable | None,
+        Field(description="a table with denominator and taps", validate_default=True),
+    ] = None
+    base: Annotated[
+        Literal["frequency-taylor", "least-squares", "tuned"] | None,
+        Field(description=" or ".join(f'"{base}"' for base in BASES)),
+    ] = None
+    match: Annotated[Match | None, Field(description='"taylor" or "least-squares"')] = None
+    filter: Annotated[
+        list[FilterTable] | None,
+        Field(description="a table with kind, or several", validate_default=True, max_length=16),
+    ] = None
+    sum: Annotated[Sum | None, Field(description='"zeng", "newton-cotes" or "plain"')] = None
+    band: Annotated[
+        BandTable | None,
+        Field(description="a table with low_hz and high_hz, psd or profile", validate_default=True),
+    ] = None
+    denominator_bits: Annotated[
+        int | None, Field(ge=1, le=48, description="a whole number from 1 to 48")
+    ] = None
+    position: Annotated[
+        Literal["trapezoidal", "high-resolution"] | None,
+        Field(description='"trapezoidal" or "high-resolution"'),
+    ] = None
+
+    @field_validator("history")
+    @classmethod
+    def _history_in_samples(cls, history: int, info: ValidationInfo) -> int:
+        samples = info.data.get("samples")
+        if samples is not None and history > samples:
+            raise ValueError(
+                f"{history} is not allowed, give a whole number from 0 to samples = {samples}"
+            )
+        return history
+
+    @field_validator("family")
+    @classmethod
+    def _family_can_be_made(cls, family: str, info: ValidationInfo) -> str:
+        samples, history = info.data.get("samples"), info.data.get("history")
+        # an uncompressed table may start from another base, which is not known yet
+        computed = TABLES.get(family) if family != "uncompressed" else None
+        if computed is not None and samples is not None and history is not None:
+            computed(samples, history)
+        return family
+
+    @field_validator("table")
+    @classmethod
+    def _table_is_consistent(
+        cls, table: UserTable | None, info: ValidationInfo
+    ) -> UserTable | None:
+        family, samples = info.data.get("family"), info.data.get("samples")
+        if family == "table" and table is None:
+            raise ValueError(
+                'missing, family = "table" needs [algorithm.table] with denominator and taps'
+            )
+        if family in FAMILIES and table is not None:
+            raise ValueError(
+                f'not used by family = "{family}", leave it out or give family = "table"'
+            )
+        if table is not None and samples is not None:
+            user_table(table, samples)
+        return table
+
+    @field_validator("position")
+    @classmethod
+    def _the_usual_is_left_unsaid(cls, value: str | None) -> str | None:
+        return None if value == "trapezoidal" else value
+
+    @field_validator("filter", mode="before")
+    @classmethod
+    def _one_filter_is_a_list(cls, value: Any) -> Any:
+        return [value] if isinstance(value, dict) else value
+
+    @field_validator("base", "match", "filter", "sum", "band", "denominator_bits")
+    @classmethod
+    def _option_fits_family(cls, value: Any, info: ValidationInfo) -> Any:
+        """Options come with the families that use them; a filter or band in use must be there."""
+        key = info.field_name or ""
+        known = ("family", "base", "match")
+        earlier = known[: known.index(key)] if key in known else known
+        if any(name not in info.data for name in earlier):
+            return value  # what it depends on is at fault itself
+        family, match = info.data["family"], info.data.get("match")
+        source = info.data.get("base") or "frequency-taylor" if family == "uncompressed" else family
+        fitted = source == "least-squares" or (source == "tuned" and match == "least-squares")
+        used = {
+            "base": family == "uncompressed",
+            "match": source == "tuned",
+            "filter": source == "tuned",
+            "sum": source == "tuned",
+            "band": fitted,
+            "denominator_bits": fitted or source == "tuned",
+        }
+        if value is not None and not used[key]:
+            how = f'family = "{family}"'
+            if family == "uncompressed" and key != "base":
+                how = f'base = "{source}"'
+            if key == "band" and source == "tuned":
+                how = 'match = "taylor"'
+            raise ValueError(f"not used by {how}, leave it out")
+        if value is None and used[key] and key in ("filter", "band"):
+            allowed = cls.model_fields[key].description
+            raise ValueError(f'missing, "{source}" needs it: give {allowed}')
+        return value
+
+
+def user_table(table: UserTable, samples: int) -> TapTable:
+    """The user's own table, checked.
+
+    Raises:
+        InputError: it is not of a core's form, see `TapTable.from_integers`.
+    """
+    return TapTable.from_integers(
+        samples, table.denominator, table.taps, table.sum_denominator, table.weights
+    )
+
+
+def tap_table_of(sensor: Sensor, algorithm: Algorithm) -> TapTable:
+    """The tap table, the user's own or computed."""
+    if algorithm.table is not None:
+        return user_table(algorithm.table, algorithm.samples)
+    return make(recipe_of(sensor, algorithm)).table
+
+
+def require_narrow(table: TapTable, sensor: Sensor, algorithm: Algorithm) -> None:
+    """See that a core of this table can be built.
+
+    Raises:
+        InputError: its denominators or results are wider than `MAX_BITS`.
+    """
+    words = word_lengths(sensor.gyro.bits, sensor.accel.bits, algorithm.minors, table)
+    widths = {vector: getattr(words, vector).bits for vector in VECTORS}
+    widths["denominator"] = table.denominator.bit_length()
+    widths["sum_denominator"] = table.sum_denominator.bit_length()
+    widest = max(widths, key=lambda name: widths[name])
+    if widths[widest] > MAX_BITS:
+        raise InputError(
+            f"algorithm.table: {widest} would have {widths[widest]:,} bits, more than the"
+            f" {MAX_BITS} that a core can have; give smaller taps and weights (no published table"
+            " needs more than 395)"
+        )
+
+
+def recipe_of(sensor: Sensor, algorithm: Algorithm) -> Recipe:
+    """What a computed family is designed from.
+
+    Raises:
+        InputError: a filter that no sensor can have.
+    """
+    sample_rate = rational(sensor.sample_rate_hz)
+    match = algorithm.match or "taylor"
+    # a fit is to the drift as it is; Zeng's equations take his sum for exact
+    usual: Sum = "zeng" if sensor.kind == "rate" and match == "taylor" else "plain"
+    if algorithm.sum is not None and sensor.kind == "increment":
+        raise InputError(
+            'algorithm.sum: not used by sensor.kind = "increment", whose samples just add up'
+        )
+    return Recipe(
+        family=algorithm.family,
+        samples=algorithm.samples,
+        history=algorithm.history,
+        kind=sensor.kind,
+        sample_rate=sample_rate,
+        base=algorithm.base or "frequency-taylor",
+        match=match,
+        sum=algorithm.sum or usual,
+        response=response(algorithm.filter or [], sample_rate),
+        band=algorithm.band.exact() if algorithm.band is not None else None,
+        denominator_bits=algorithm.denominator_bits,
+    )

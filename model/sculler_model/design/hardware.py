@@ -1,0 +1,67 @@
+"""The design file's [hardware]: how it becomes gates."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, ValidationInfo, field_validator
+
+from sculler_model.schema import Part
+
+
+class Hardware(Part):
+    """How it becomes gates.  Field order matters: later ones are checked against earlier.
+
+    core: "pipelined" (fast) or "compact" (small, one multiplication at a time).
+    target: whose multiplier and memory blocks to use; "generic" leaves them to the synthesiser.
+    multipliers: multiplier blocks the core may use.  The pipelined core takes as many clocks per
+        sample as follow from it, and without it one.  The compact core uses 1 (default) or 0.
+    handover: "parallel" shows a whole result at once, "stream" word by word (`stream`); the
+        compact core streams, the pipelined core does what is asked, by default "parallel".
+    overrun: what gives way when results are not taken in time.  "drop-sample", which is the
+        default: the sensor is made to wait, and a sample that cannot is lost, which status bit 3
+        tells; "drop-result": the oldest result that waits, which `results_dropped` tells.
+    """
+
+    core: Annotated[
+        Literal["pipelined", "compact"], Field(description='"pipelined" or "compact"')
+    ] = "pipelined"
+    target: Annotated[
+        Literal["generic", "ecp5", "ice40", "xilinx"],
+        Field(description='"generic", "ecp5", "ice40" or "xilinx"'),
+    ] = "generic"
+    multipliers: Annotated[
+        int | None, Field(ge=0, le=4096, description="a whole number from 0 to 4096")
+    ] = None
+    handover: Annotated[
+        Literal["parallel", "stream"] | None,
+        Field(description='"parallel" or "stream"', validate_default=True),
+    ] = None
+
+    overrun: Annotated[
+        Literal["drop-sample", "drop-result"] | None,
+        Field(description='"drop-sample" or "drop-result"'),
+    ] = None
+
+    @field_validator("overrun")
+    @classmethod
+    def _the_usual_is_left_unsaid(cls, value: str | None) -> str | None:
+        return None if value == "drop-sample" else value
+
+    @field_validator("multipliers")
+    @classmethod
+    def _multipliers_fit_core(cls, multipliers: int | None, info: ValidationInfo) -> int | None:
+        core = info.data.get("core")
+        if core == "compact" and multipliers not in (None, 0, 1):
+            raise ValueError(f'{multipliers} is not allowed, core = "compact" uses 0 or 1')
+        if core == "pipelined" and multipliers == 0:
+            raise ValueError('0 is not allowed, give 1 or more, or core = "compact"')
+        return multipliers
+
+    @field_validator("handover")
+    @classmethod
+    def _handover_fits_core(cls, handover: str | None, info: ValidationInfo) -> str | None:
+        compact = info.data.get("core") == "compact"
+        if compact and handover == "parallel":
+            raise ValueError('not possible with core = "compact", which streams: leave it out')
+        return handover or ("stream" if compact else "parallel")
