@@ -53,6 +53,14 @@ class GoldenModel:
     Feed samples one at a time with `step`; it returns the major interval's `Result` on the
     interval's last sample, else None.  Sample history runs on across intervals until `reset`.
     Where a sample was lost between two of them, say so with `lose`.
+
+    Args:
+        design: the design.
+
+    Attributes:
+        t: running number of the next sample.
+        major: number of the present major interval.
+        status: its status so far; `alpha` and the other vectors of `Result` its sums so far.
     """
 
     def __init__(self, design: Design) -> None:
@@ -90,6 +98,9 @@ class GoldenModel:
         Args:
             gyro, accel: integer counts within the design's widths (signed), of any integer type.
             fault: 1 marks the interval's status, as a count at either end of its width does.
+
+        Returns:
+            The interval's result after its last sample, else None.
 
         Raises:
             InputError: a count is no whole number, or does not fit the sensor's width.
@@ -162,7 +173,11 @@ class GoldenModel:
         return result
 
     def run(self, samples: Iterable[Sample]) -> Iterator[Result]:
-        """Results of all complete major intervals of a sequence of samples."""
+        """Results of all complete major intervals of a sequence of samples.
+
+        Raises:
+            InputError: as `step`.
+        """
         for gyro, accel, fault in samples:
             result = self.step(gyro, accel, fault)
             if result is not None:

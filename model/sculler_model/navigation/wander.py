@@ -119,14 +119,18 @@ def level(
     model: Gravity,
 ) -> Level:
     """The carried state of geographic terms (see `NavState`), with a past that stood still."""
-    to_level = about_z(-wander)
-    theta = -0.5 * pi - lat  # C_en = R_z(lon) R_y(-90° - lat)
-    to_earth: Quaternion = (cos(0.5 * theta), 0.0, sin(0.5 * theta), 0.0)
-    place = normalised(product(about_z(lon), product(to_earth, about_z(wander))))
+    to_level, place = about_z(-wander), place_at(lat, lon, wander)
     v = rotate(to_level, v_n)
     here = earth_at(place, h, model)
     q = normalised(product(to_level, q_nb))
     return Level(q, v, v, place, h, here, here, 0, NOT_YET, 0.0, 0.0)
+
+
+def place_at(lat: float, lon: float, wander: float) -> Quaternion:
+    """q_ew of latitude, longitude and wander angle (rad)."""
+    theta = -0.5 * pi - lat  # C_en = R_z(lon) R_y(-90° - lat)
+    to_earth: Quaternion = (cos(0.5 * theta), 0.0, sin(0.5 * theta), 0.0)
+    return normalised(product(about_z(lon), product(to_earth, about_z(wander))))
 
 
 def geographic(
