@@ -7,6 +7,7 @@
 #   make bench   speeds, medians of several runs
 #   make accuracy  docs/accuracy.md and its pictures: the papers' figures beside ours
 #   make hardware  docs/hardware.md and its pictures: real place-and-route, about half an hour
+#   make release-check  wheel and sdist, built and tried outside the tree; they stay in build/release
 #   make clean   remove what the targets made
 
 PYTHON ?= python3
@@ -14,7 +15,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: demo test test-lowest fuzz lint format bench accuracy hardware clean setup
+.PHONY: demo test test-lowest fuzz lint format bench accuracy hardware release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -79,6 +80,9 @@ accuracy: $(READY)
 
 hardware: $(READY)
 	$(BIN)/python -m studies.hardware
+
+release-check: $(READY)
+	$(BIN)/python tools/release_check.py
 
 clean:
 	rm -rf $(VENV) $(LOWEST) .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -27,7 +27,7 @@ from rich.table import Table
 from sculler import terminal
 from sculler.formats.log import LogWriter, read_log
 from sculler.main import run_command
-from sculler_hdl.core import timing
+from sculler_hdl import timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import FastModel, VectorBlock

@@ -7,7 +7,7 @@ import re
 import subprocess
 from pathlib import Path
 
-from sculler_hdl.core import timing
+from sculler_hdl import timing
 from sculler_model.design import Design
 from sculler_sim.engines.verilator_build import emitted
 from sculler_sim.testbench import LEAST, Least, write_testbench

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sculler.formats.comparison import compare
 from sculler.formats.vectors import VectorsWriter
-from sculler_hdl.core import timing
+from sculler_hdl import timing
 from sculler_model.design import COLUMNS, Design
 from sculler_model.fast import VectorBlock
 from sculler_model.golden import GoldenModel, clocks_per_major

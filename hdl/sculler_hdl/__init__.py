@@ -1,1 +1,86 @@
-"""What becomes gates: the integer coning/sculling core in Amaranth, and its Verilog."""
+"""What becomes gates: the integer coning/sculling core in Amaranth, and its Verilog.
+
+    generate(design)    the Verilog text, its `Manifest`, models of vendor blocks, a listing
+    build_core(design)  the core as an Amaranth component, for one's own top level
+    timing(design)      the clocks that the core takes, without building it
+
+It may import the exact side of `sculler_model` only.  Inside, arrows point one way:
+
+    export  ─▶  core  ─▶  pipelined, compact  ─▶  lib  ─▶  plan  ─▶  targets
+
+`plan` is plain Python: what to build, with its clocks and widths.  The others are Amaranth.  The
+names below are loaded when they are first used, so that a plan needs no Amaranth.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sculler_hdl.core import Core as Core
+    from sculler_hdl.core import build_core as build_core
+    from sculler_hdl.export.manifest import Manifest as Manifest
+    from sculler_hdl.export.manifest import describe_ports as describe_ports
+    from sculler_hdl.export.manifest import module_ports as module_ports
+    from sculler_hdl.export.verilog import Generated as Generated
+    from sculler_hdl.export.verilog import generate as generate
+    from sculler_hdl.plan.ports import Port as Port
+    from sculler_hdl.plan.ports import component_ports as component_ports
+    from sculler_hdl.plan.ports import counter_ports as counter_ports
+    from sculler_hdl.plan.ports import result_ports as result_ports
+    from sculler_hdl.plan.ports import sample_ports as sample_ports
+    from sculler_hdl.plan.timing import timing as timing
+    from sculler_hdl.targets import TARGETS as TARGETS
+    from sculler_hdl.targets import Target as Target
+    from sculler_hdl.targets import cell_models as cell_models
+
+_PLACES = {
+    "Core": "core",
+    "Generated": "export.verilog",
+    "Manifest": "export.manifest",
+    "Port": "plan.ports",
+    "TARGETS": "targets",
+    "Target": "targets",
+    "build_core": "core",
+    "cell_models": "targets",
+    "component_ports": "plan.ports",
+    "counter_ports": "plan.ports",
+    "describe_ports": "export.manifest",
+    "generate": "export.verilog",
+    "module_ports": "export.manifest",
+    "result_ports": "plan.ports",
+    "sample_ports": "plan.ports",
+    "timing": "plan.timing",
+}
+
+__all__ = [
+    "TARGETS",
+    "Core",
+    "Generated",
+    "Manifest",
+    "Port",
+    "Target",
+    "build_core",
+    "cell_models",
+    "component_ports",
+    "counter_ports",
+    "describe_ports",
+    "generate",
+    "module_ports",
+    "result_ports",
+    "sample_ports",
+    "timing",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_PLACES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

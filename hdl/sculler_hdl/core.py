@@ -1,16 +1,15 @@
 """The core that a design asks for."""
 
-from amaranth.lib import wiring
+from __future__ import annotations
 
-from sculler_hdl import pipelined
-from sculler_hdl.compact import microcode
 from sculler_hdl.compact.core import CompactCore
-from sculler_hdl.pipelined import PipelinedCore
+from sculler_hdl.pipelined.core import PipelinedCore
 from sculler_model.design import Design
-from sculler_model.golden import Timing
+
+Core = CompactCore | PipelinedCore
 
 
-def build_core(design: Design, *, primitive: bool = True) -> wiring.Component:
+def build_core(design: Design, *, primitive: bool = True) -> Core:
     """The Amaranth component of a design.
 
     Args:
@@ -24,14 +23,3 @@ def build_core(design: Design, *, primitive: bool = True) -> wiring.Component:
     if design.hardware.core == "compact":
         return CompactCore(design, primitive=primitive)
     return PipelinedCore(design, primitive=primitive)
-
-
-def timing(design: Design) -> Timing:
-    """The clocks that the design's core takes.
-
-    Raises:
-        InputError: as `build_core`.
-    """
-    if design.hardware.core == "compact":
-        return microcode.timing(design)
-    return pipelined.timing(design)

@@ -28,7 +28,7 @@ from string import Template
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_hdl.ports import Port, counter_ports, result_ports, sample_ports
+from sculler_hdl import Port, counter_ports, result_ports, sample_ports
 from sculler_model.design import STATUS_LOST, Design, Interval
 from sculler_model.fast import run_fast
 from sculler_model.golden import (

@@ -8,14 +8,14 @@ from amaranth import ClockDomain, Module
 from amaranth.sim import Simulator
 
 from position_designs import HIGH_RESOLUTION
+from sculler_hdl import counter_ports, timing
 from sculler_hdl.compact import core as compact_core
 from sculler_hdl.compact import engine as compact_engine
 from sculler_hdl.compact.core import CompactCore
 from sculler_hdl.compact.memory import BlockMemory, _initial_row
-from sculler_hdl.compact.microcode import timing
-from sculler_hdl.compact.pipeline import pipeline
-from sculler_hdl.compact.product import Product
-from sculler_hdl.ports import counter_ports
+from sculler_hdl.compact.multiplier import DigitMultiplier
+from sculler_hdl.plan.compact.plan import plan_compact
+from sculler_hdl.targets import TARGETS
 from sculler_model.design import Design
 from sculler_model.golden import CycleModel, Ports, words_per_result
 from strategies import DESIGNS, samples_of
@@ -154,8 +154,9 @@ def run_part(part, drive):
 )
 def test_product_of_all_extremes(hardware):
     design = compact(Design.preset("stim300"), **hardware)
-    step = pipeline(design).step
-    part = Product(design, primitive=False)
+    plan = plan_compact(design)
+    step = plan.pipeline.step
+    part = DigitMultiplier(plan, primitive=False)
     ends = [-(1 << 17), (1 << 17) - 1, -1, 0, 1, 2, 3, -2, -3, 0xFFFF, 1 << 16]
     rng = random.Random(1)
     pairs = [(a, b) for a in ends for b in ends]
@@ -183,7 +184,7 @@ def test_product_of_all_extremes(hardware):
 def test_memory_keeps_what_is_written_and_waits_for_steps(target):
     rng = random.Random(2)
     initial = [rng.randrange(1 << 18) for _ in range(40)]
-    part = BlockMemory(target, 18, initial, primitive=False)
+    part = BlockMemory(TARGETS[target], 18, initial, primitive=False)
     words, asked, steps = list(initial), [], []
 
     async def bench(ctx):

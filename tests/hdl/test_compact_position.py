@@ -12,12 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from position_designs import HIGH_RESOLUTION, furthest
-from sculler_hdl.compact.interpreter import Interpreter
-from sculler_hdl.compact.listing import figures, listing
-from sculler_hdl.compact.microcode import timing
-from sculler_hdl.compact.pipeline import pipeline
-from sculler_hdl.compact.position import WEIGHTS, factor_ranges
-from sculler_hdl.compact.program import When, digit_count, program
+from sculler_hdl.plan.compact.digits import digit_count
+from sculler_hdl.plan.compact.instructions import When
+from sculler_hdl.plan.compact.interpreter import Interpreter
+from sculler_hdl.plan.compact.plan import plan_compact
+from sculler_hdl.plan.compact.scrolling import WEIGHTS, factor_ranges
 from sculler_model.algorithms import scrolling_weight
 from sculler_model.design import Interval
 from sculler_model.golden import GoldenModel, to_words
@@ -31,7 +30,8 @@ def samples_of(counts):
 
 
 def interpreter_of(design):
-    return Interpreter(program(design), pipeline(design).store)
+    made = plan_compact(design)
+    return Interpreter(made.program, made.pipeline.store)
 
 
 def runs_as_the_golden_model(design, counts):
@@ -139,7 +139,7 @@ def test_instructions_of_the_default_design():
     and a column of the result has 5 words."""
     design = HIGH_RESOLUTION["stim300_hr"]
     by_phase = {}
-    for phase, instructions in program(design).phases.items():
+    for phase, instructions in plan_compact(design).program.phases.items():
         names = (re.sub("_[xyz]$", "", i.text.split(".")[0]) for i in instructions)
         by_phase[phase] = Counter(names)
     weights = {"c_alpha": 2, "c_1": 2, "c_0": 2, "d_nu": 2, "d_1": 2, "w": 2}  # state and step
@@ -166,12 +166,14 @@ def test_instructions_of_the_default_design():
     rest |= {f"sculling_{where}": 3 * (5 + 4 * 4) for where in ("within", "between")}
     assert by_phase[4] == each + end + rest
     # and the last one's way: 8 to its store, 2 to its fetch, 1 to begin
-    assert timing(design).work == tuple(c.total() + 8 + 2 + 1 for c in by_phase.values())
-    assert figures(design)["clocks_per_minor"] == 1238
+    assert plan_compact(design).timing.work == tuple(
+        c.total() + 8 + 2 + 1 for c in by_phase.values()
+    )
+    assert plan_compact(design).resources["clocks_per_minor"] == 1238
 
 
 def test_the_listing_says_what_the_page_says():
-    text = listing(HIGH_RESOLUTION["stim300_hr"])
+    text = plan_compact(HIGH_RESOLUTION["stim300_hr"]).listing
     for meaning in (
         "C_x.0 = alpha_x.0 * c_alpha",
         "C_x.0 += c_1 * s_x[t-1].0",
@@ -187,6 +189,6 @@ def test_the_listing_says_what_the_page_says():
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_other_designs_use_no_condition_that_their_engine_has_not(name):
-    made = program(with_hardware(DESIGNS[name], core="compact"))
+    made = plan_compact(with_hardware(DESIGNS[name], core="compact")).program
     used = {instruction.when for phase in made.phases.values() for instruction in phase}
     assert used.isdisjoint({When.FIRST_MINOR, When.MAJOR_END})

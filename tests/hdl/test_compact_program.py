@@ -9,24 +9,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from position_designs import HIGH_RESOLUTION
-from sculler_hdl.compact.interpreter import Interpreter
-from sculler_hdl.compact.listing import figures, listing
-from sculler_hdl.compact.microcode import microcode, timing
-from sculler_hdl.compact.pipeline import Pipeline, pipeline
-from sculler_hdl.compact.program import (
+from sculler_hdl.plan.compact.digits import digit_count, digit_ranges
+from sculler_hdl.plan.compact.instructions import (
     Base,
     Instruction,
+    MemoryWord,
     SampleWord,
     Store,
-    Word,
-    digit_count,
-    digit_ranges,
-    kept_samples,
-    program,
-    sample_words,
-    schedule,
-    short_majors,
 )
+from sculler_hdl.plan.compact.interpreter import Interpreter
+from sculler_hdl.plan.compact.pipeline import Pipeline
+from sculler_hdl.plan.compact.plan import plan_compact
+from sculler_hdl.plan.compact.scheduling import schedule
+from sculler_hdl.plan.history import short_majors
 from sculler_model.design import Design, Interval
 from sculler_model.golden import GoldenModel, to_words
 from strategies import DESIGNS, designs, random_counts
@@ -41,7 +36,8 @@ def compact(design, **hardware):
 
 def runs_as_the_golden_model(design, samples, seed):
     """Both take the same samples; results equal word by word; the interpreter checks ranges."""
-    interpreter = Interpreter(program(design), pipeline(design).store)
+    made = plan_compact(design)
+    interpreter = Interpreter(made.program, made.pipeline.store)
     golden = GoldenModel(design)
     rng = np.random.default_rng(seed)
     faults = rng.random(samples) < 0.5 / design.samples_per_major
@@ -73,7 +69,7 @@ def test_instructions_of_the_default_design():
     """Counted by hand: 24-bit counts have 2 digits, A and B (33 bits) 2, theta and v (26) 2."""
     design = compact(Design.preset("stim300"))
     by_number = {}
-    for instruction in program(design).phases[4]:
+    for instruction in plan_compact(design).program.phases[4]:
         name = re.match(r"\w+", instruction.text)[0]
         by_number[name] = by_number.get(name, 0) + 1
     expected = dict.fromkeys(("A", "B"), 3 * 2)  # three taps, two digits
@@ -84,13 +80,15 @@ def test_instructions_of_the_default_design():
     wanted = {f"{name}_{axis}": count for name, count in expected.items() for axis in "xyz"}
     assert by_number == wanted | {"major": 4 + 1, "status": 1}
     # and the last one's way: 8 to its store, 2 to its fetch, 1 to begin
-    assert timing(design).work == (0, 0, 0, sum(by_number.values()) + 8 + 2 + 1)
-    assert figures(design)["clocks_per_minor"] == 329
+    assert plan_compact(design).timing.work == (0, 0, 0, sum(by_number.values()) + 8 + 2 + 1)
+    assert plan_compact(design).resources["clocks_per_minor"] == 329
 
 
 def test_no_between_products_in_a_major_interval_of_one_minor():
     names = [
-        i.text for phase in program(compact(DESIGNS["smallest"])).phases.values() for i in phase
+        i.text
+        for phase in plan_compact(compact(DESIGNS["smallest"])).program.phases.values()
+        for i in phase
     ]
     assert not any(name.startswith(("coning_between", "sculling_between")) for name in names)
 
@@ -128,14 +126,16 @@ def test_short_history_is_that_of_the_first_major_intervals(design):
     assert statuses == [1] * short + [0] * (len(statuses) - short)
 
 
-ZERO_TIMES_ONE = Instruction(Word("left", 0), Word("right", 0), Base.CLEAR, text="wait")
+ZERO_TIMES_ONE = Instruction(MemoryWord("left", 0), MemoryWord("right", 0), Base.CLEAR, text="wait")
 
 
 def making(source, target):
     """A block of one instruction: left word `target` from left word `source`."""
     store = Store(target, frozenset(["left"]), signed=False)
     right = SampleWord(0, 0)
-    return (Instruction(Word("left", source), right, Base.CLEAR, store=store, text=f"{target}"),)
+    return (
+        Instruction(MemoryWord("left", source), right, Base.CLEAR, store=store, text=f"{target}"),
+    )
 
 
 def test_schedule_fills_the_delay_before_it_waits():
@@ -149,8 +149,8 @@ def test_schedule_fills_the_delay_before_it_waits():
 @EACH
 def test_nothing_is_read_before_it_is_stored(design, hardware):
     design = compact(design, **hardware)
-    delay = pipeline(design).store
-    for instructions in program(design).phases.values():
+    delay = plan_compact(design).pipeline.store
+    for instructions in plan_compact(design).program.phases.values():
         stored = {}
         for now, instruction in enumerate(instructions):
             for word in instruction.reads:
@@ -164,20 +164,20 @@ def test_newer_samples_spare_what_a_program_reads(design):
     """n newer samples may come before the next program has begun."""
     furthest = max(
         instruction.right.distance
-        for instructions in program(compact(design)).phases.values()
+        for instructions in plan_compact(compact(design)).program.phases.values()
         for instruction in instructions
         if isinstance(instruction.right, SampleWord)
     )
-    assert furthest + design.algorithm.samples < kept_samples(design)
-    assert kept_samples(design).bit_count() == 1
+    assert furthest + design.algorithm.samples < plan_compact(design).sizes.kept_samples
+    assert plan_compact(design).sizes.kept_samples.bit_count() == 1
 
 
 def test_microcode_puts_every_part_where_its_stage_acts():
     design = compact(DESIGNS["dense_odd_3"])
-    code, delays = microcode(design), pipeline(design)
+    code, delays = plan_compact(design).microcode, plan_compact(design).pipeline
     assert delays == Pipeline(step=1, memory=2, product=3)
     start = code.startup
-    for phase, instructions in program(design).phases.items():
+    for phase, instructions in plan_compact(design).program.phases.items():
         words = code.words[start : start + code.lengths[phase]]
         for number, instruction in enumerate(instructions, start=1):
             assert words[number]["left"] == instruction.left.address
@@ -202,22 +202,26 @@ def test_microcode_puts_every_part_where_its_stage_acts():
 
 def test_listing_shows_every_instruction_once_in_order():
     design = compact(DESIGNS["dense_time_3"])
-    text = listing(design)
+    text = plan_compact(design).listing
     lines = [line for line in text.splitlines() if re.match(r" *\d+  [=+>] [+-] ", line)]
-    made = [i for phase in program(design).phases.values() for i in phase]
+    made = [i for phase in plan_compact(design).program.phases.values() for i in phase]
     assert [line.endswith(f" {i.text}") for line, i in zip(lines, made, strict=True)] == [
         True
     ] * len(made)
     numbers = [int(line.split()[0]) for line in lines]
     assert all(a < b for a, b in pairwise(numbers))
-    assert f"latency                     {timing(design).latency} clocks" in text
+    assert f"latency                     {plan_compact(design).timing.latency} clocks" in text
     assert "A_x.0 = 57 * s_x[t-1].0" in text
     assert "coning_within_y.1 -= A_x.0 * s_z[t].1" in text
     assert max(map(len, text.splitlines())) <= 110
 
 
 def test_figures_of_the_serial_core():
-    made = figures(compact(Design.preset("stim300"), target="ice40", multipliers=0))
+    made = plan_compact(compact(Design.preset("stim300"), target="ice40", multipliers=0)).resources
     assert made["multipliers"] == 0
     assert made["clocks_per_instruction"] == 20
-    assert made["sample_words"] == 8 * sample_words(Design.preset("stim300")) == 8 * 12
+    assert (
+        made["sample_words"]
+        == 8 * plan_compact(Design.preset("stim300")).sizes.sample_words
+        == 8 * 12
+    )

@@ -8,20 +8,32 @@ import itertools
 import random
 
 import pytest
-from amaranth import Module
+from amaranth import Module, Signal
+from amaranth.hdl import Fragment
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.sim import Simulator
 
-from sculler_hdl.parts.accumulate import Accumulation, Accumulator
-from sculler_hdl.parts.cross import SHARINGS, CrossArray, Crossing, Operand
-from sculler_hdl.parts.handover import HandOver, StreamHandOver
-from sculler_hdl.parts.multiply import Cut, Product, cuts
-from sculler_hdl.parts.running_sum import Running, RunningSum
-from sculler_hdl.parts.sequencer import Sequencer
-from sculler_hdl.parts.weighted_sum import WeightedSum, Weighting, signed_digits, terms_of
-from sculler_hdl.parts.words import Addend, Limbs, Sum, Word, at_once, limbs, spans
-from sculler_hdl.target import TARGETS
+from sculler_hdl import TARGETS
+from sculler_hdl.lib.accumulator import Accumulator
+from sculler_hdl.lib.adder_tree import AdderTree
+from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
+from sculler_hdl.lib.multiplier import Multiplier, emit_multiplier
+from sculler_hdl.lib.running_sum import RunningSum
+from sculler_hdl.lib.weighted_sum import WeightedSum
+from sculler_hdl.pipelined.cross_array import CrossArray
+from sculler_hdl.pipelined.handover import HandOver
+from sculler_hdl.pipelined.sequencer import Sequencer
+from sculler_hdl.pipelined.stream import StreamHandOver
+from sculler_hdl.plan.accumulator import AccumulatorPlan
+from sculler_hdl.plan.adder_tree import Addend, AdderTreePlan
+from sculler_hdl.plan.arrival import Limbs, at_once, limbs, spans
+from sculler_hdl.plan.cross_array import FOLDINGS, CrossArrayPlan, Operand
+from sculler_hdl.plan.dot_product import signed_digits
+from sculler_hdl.plan.multiplier import MultiplierPlan, OperandSplit, operand_splits
+from sculler_hdl.plan.running_sum import RunningSumPlan
+from sculler_hdl.plan.transfer import HandOverPlan
+from sculler_hdl.plan.weighted_sum import WeightedSumPlan, terms_of
 from sculler_model.design import AXES, COLUMNS, VECTORS, Interval, word_lengths
 from sculler_model.golden import from_words, words_per_column, words_per_result
 from strategies import DESIGNS
@@ -103,26 +115,6 @@ def test_signed_digits_are_the_value_and_sparse():
         assert {sign for _, sign in digits} <= {1, -1}
 
 
-class SumAlone(wiring.Component):
-    """A `Sum` with ports for its terms."""
-
-    def __init__(self, addends, result, limb):
-        self.sum = Sum(addends, result, limb)
-        bits = [sum(width for width, _ in addend.arrival) for addend in addends]
-        super().__init__(
-            {
-                **{f"term{i}": In(width) for i, width in enumerate(bits)},
-                "output": Out(result.bits),
-            }
-        )
-
-    def elaborate(self, platform):
-        m = Module()
-        terms = [getattr(self, f"term{i}") for i in range(len(self.sum.addends))]
-        m.d.comb += self.output.eq(self.sum.build(m, "sum", terms).value)
-        return m
-
-
 @pytest.mark.parametrize("limb", [Limbs(5), Limbs(16, 2), Limbs(7, 3), Limbs(64)], ids=str)
 @pytest.mark.parametrize("seed", range(8))
 def test_sum_of_any_terms(seed, limb):
@@ -136,13 +128,13 @@ def test_sum_of_any_terms(seed, limb):
         addends.append(Addend(Interval.signed(bits), arrival, rng.randint(0, 20), negative))
         values.append(dict(enumerate(extremes(Interval.signed(bits), rng, 40))))
     scaled = [a.range.scaled((-1 if a.negative else 1) << a.low) for a in addends]
-    part = SumAlone(addends, sum(scaled, Interval(0, 0)), limb)
+    part = AdderTree(AdderTreePlan(addends, sum(scaled, Interval(0, 0)), limb))
     inputs = [
         (getattr(part, f"term{i}"), (a.arrival, v))
         for i, (a, v) in enumerate(zip(addends, values, strict=True))
     ]
-    clocks = 40 + max(clock for _, clock in part.sum.arrival)
-    seen = stream(part, inputs, {"sum": (part.output, part.sum.arrival, range(40))}, clocks)
+    clocks = 40 + max(clock for _, clock in part.plan.arrival)
+    seen = stream(part, inputs, {"sum": (part.output, part.plan.arrival, range(40))}, clocks)
     signs = [(-1 if a.negative else 1) << a.low for a in addends]
     assert seen["sum"] == {
         t: sum(s * v[t] for s, v in zip(signs, values, strict=True)) for t in range(40)
@@ -152,15 +144,15 @@ def test_sum_of_any_terms(seed, limb):
 def test_sum_is_logarithmic_and_skew_costs_once():
     """Ten terms of 64 bits in limbs of 16: four levels, and three clocks for three more limbs."""
     addends = [Addend(Interval.signed(60), at_once(60)) for _ in range(10)]
-    made = Sum(addends, Interval.signed(64), Limbs(16))
+    made = AdderTreePlan(addends, Interval.signed(64), Limbs(16))
     assert made.arrival == ((16, 4), (16, 5), (16, 6), (16, 7))
-    assert Sum(addends, Interval.signed(64), Limbs(32, 2)).arrival == ((32, 4), (32, 6))
+    assert AdderTreePlan(addends, Interval.signed(64), Limbs(32, 2)).arrival == ((32, 4), (32, 6))
     late = [*addends, Addend(Interval.signed(60), at_once(60, 3))]
-    assert Sum(late, Interval.signed(64), Limbs(16)).arrival[0] == (16, 5)
+    assert AdderTreePlan(late, Interval.signed(64), Limbs(16)).arrival[0] == (16, 5)
 
 
 class ProductAlone(wiring.Component):
-    """A `Product`'s blocks and rows with ports for the operands, added up by the test."""
+    """A multiplier's blocks and rows with ports for the operands, added up by the test."""
 
     def __init__(self, product):
         self.product = product
@@ -176,9 +168,11 @@ class ProductAlone(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         product = self.product
-        left = Word(m, "left", self.left, product.left_arrival)
-        right = Word(m, "right", self.right, product.right_arrival)
-        for i, value in enumerate(product.build(m, "unit", left, right, primitive=False)):
+        left = SkewedSignal(m, "left", self.left, product.left_arrival)
+        right = SkewedSignal(m, "right", self.right, product.right_arrival)
+        for i, value in enumerate(
+            emit_multiplier(m, "unit", product, left, right, primitive=False)
+        ):
             m.d.comb += getattr(self, f"term{i}").eq(value)
         return m
 
@@ -206,8 +200,8 @@ def products_seen(product, lefts, rights):
 def test_product_of_every_pair_of_small_words():
     left, right = Interval.signed(5), Interval.signed(4)
     pairs = list(itertools.product(range(left.lo, left.hi + 1), range(right.lo, right.hi + 1)))
-    product = Product(TARGETS["generic"], left, right, at_once(5), at_once(4))
-    assert (product.tiles, product.rows) == (1, 0)
+    product = MultiplierPlan(TARGETS["generic"], left, right, at_once(5), at_once(4))
+    assert (product.blocks, product.rows) == (1, 0)
     lefts, rights = zip(*pairs, strict=True)
     assert products_seen(product, lefts, rights) == [a * b for a, b in pairs]
 
@@ -229,8 +223,10 @@ def test_product_of_every_pair_of_small_words():
 def test_product_of_wide_words(target, bits, tiles, rows):
     left, right = map(Interval.signed, bits)
     limb = Limbs(20)
-    product = Product(TARGETS[target], left, right, skewed(bits[0], limb, 1), skewed(bits[1], limb))
-    assert (product.tiles, product.rows) == (tiles, rows)
+    product = MultiplierPlan(
+        TARGETS[target], left, right, skewed(bits[0], limb, 1), skewed(bits[1], limb)
+    )
+    assert (product.blocks, product.rows) == (tiles, rows)
     rng = random.Random(1)
     lefts, rights = extremes(left, rng, 80), extremes(right, rng, 80)
     assert products_seen(product, lefts, rights) == [
@@ -241,14 +237,81 @@ def test_product_of_wide_words(target, bits, tiles, rows):
 def test_operands_are_cut_whole():
     for block in (16, 18, 25):
         for bits in range(2, 120):
-            for cut in cuts(bits, block, 8):
-                assert cut.ends[0] == cut.fringe
+            for cut in operand_splits(bits, block, 8):
+                assert cut.ends[0] == cut.residue
                 assert cut.ends[-1] == bits
                 widths = [hi - lo for lo, hi in cut.pieces]
                 assert all(width == block - 1 for width in widths[:-1])
                 assert 1 <= widths[-1] <= block
-    assert cuts(24, 18, 8) == [Cut(0, (0, 17, 24)), Cut(6, (6, 24))]
-    assert cuts(24, 18, 4) == [Cut(0, (0, 17, 24))]
+    assert operand_splits(24, 18, 8) == [OperandSplit(0, (0, 17, 24)), OperandSplit(6, (6, 24))]
+    assert operand_splits(24, 18, 4) == [OperandSplit(0, (0, 17, 24))]
+
+
+def test_multiplier_alone_gives_the_product_when_it_says():
+    """33 x 24 bits: 2 blocks and 6 rows, 8 terms; 3 + 1 clocks for a block, then the additions."""
+    left, right, limb = Interval.signed(33), Interval.signed(24), Limbs(64)
+    plan = MultiplierPlan(TARGETS["ecp5"], left, right, at_once(33), at_once(24))
+    part = Multiplier(plan, limb, primitive=False)
+    # the rows, there at clock 1, are added up while the blocks work: 2 blocks and a sum are left
+    assert part.arrival == ((57, 4 + 2),)
+    rng = random.Random(9)
+    lefts, rights = extremes(left, rng, 60), extremes(right, rng, 60)
+    inputs = [
+        (part.left, (plan.left_arrival, dict(enumerate(lefts)))),
+        (part.right, (plan.right_arrival, dict(enumerate(rights)))),
+    ]
+    seen = stream(part, inputs, {"product": (part.output, part.arrival, range(60))}, 70)
+    assert list(seen["product"].values()) == [a * b for a, b in zip(lefts, rights, strict=True)]
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+def test_delays_give_what_was_so_many_clocks_before(inverted):
+    """A flag and a skewed word, each seen at several clocks; a slice, its sign, zeros below."""
+    m, flag, word = Module(), Signal(), Signal(9)
+    line = ControlDelay(m, "flag", flag, 2, inverted=inverted)
+    skewed_word = SkewedSignal(m, "word", word, ((4, 0), (5, 1)), low=3)
+    flags = {clock: line.at_clock(clock) for clock in (5, 2, 3)}
+    shown = Signal(16)
+    m.d.comb += shown.eq(skewed_word.slice_at(1, 17, 3))
+    rng, seen = random.Random(10), []
+    given = [(rng.getrandbits(1), rng.getrandbits(9)) for _ in range(60)]
+
+    async def bench(ctx):
+        for high, bits in given:
+            ctx.set(flag, high)
+            ctx.set(word, bits)
+            _, _, *now = await ctx.tick().sample(*flags.values(), shown)
+            seen.append(now)
+
+    run(m, bench)
+    for now in range(3, 60):
+        *at_clocks, value = seen[now]
+        assert [value & 1 for value in at_clocks] == [given[now - clock + 2][0] for clock in flags]
+        whole = (given[now - 3][1] & 0xF) | (given[now - 2][1] & 0x1F0)
+        signed = whole - (whole >> 8 << 9)
+        assert value == (signed << 2) & 0xFFFF
+
+
+def test_delays_are_refused_inside_a_conditional():
+    """There a register would move only where the condition holds."""
+    m, flag, word = Module(), Signal(), Signal(8)
+    line = ControlDelay(m, "flag", flag)
+    kept = SkewedSignal(m, "word", word, at_once(8))
+    made = line.at_clock(1)
+    with m.If(flag):
+        assert line.at_clock(1) is made  # nothing is emitted
+        kept.slice_at(0, 8, 0)
+        with pytest.raises(RuntimeError, match="flag: delayed inside"):
+            line.at_clock(2)
+        with pytest.raises(RuntimeError, match="word: delayed inside"):
+            kept.slice_at(0, 8, 1)
+    with m.Switch(word), m.Case(1), pytest.raises(RuntimeError, match="flag: delayed inside"):
+        line.at_clock(2)
+    with pytest.raises(ValueError, match="2 clocks too late"):
+        kept.slice_at(0, 8, -2)
+    line.at_clock(2)
+    kept.slice_at(0, 8, 1)
+    Fragment.get(m, None)  # Amaranth warns of a module that is never used
 
 
 ROWS = {
@@ -268,7 +331,7 @@ def test_weighted_sum(rows, limb):
     counts, phases = Interval.signed(9), 4
     totals = [sum((counts.scaled(c) for _, c in row), Interval(0, 0)) for row in rows.values()]
     result = Interval(min(t.lo for t in totals), max(t.hi for t in totals))
-    plan = Weighting(counts, rows, result, phases, limb)
+    plan = WeightedSumPlan(counts, rows, result, phases, limb)
     part = WeightedSum(plan)
     rng = random.Random(3)
     samples = [extremes(counts, rng, 3) for _ in range(160)]
@@ -297,7 +360,7 @@ def test_weighted_sum(rows, limb):
 def test_running_sum(samples, limb):
     """Each sum of so many samples, although the total behind it wraps many times."""
     counts = Interval.signed(9)
-    plan = Running(counts, counts.repeated(samples), limb)
+    plan = RunningSumPlan(counts, counts.repeated(samples), limb)
     part = RunningSum(plan)
     rng = random.Random(4)
     values = [-256] * 40 + extremes(counts, rng, 160)  # the lowest sum there is, again and again
@@ -316,10 +379,12 @@ def test_running_sum(samples, limb):
 def test_weighted_sum_is_there_when_its_largest_coefficient_is():
     """54, 92, 214 have 3, 3 and 4 signed digits: two levels, whatever the number of samples."""
     assert len(terms_of(ROWS["compressed"])) == 10
-    plan = Weighting(Interval.signed(8), ROWS["compressed"], Interval.signed(20), 4, Limbs(64))
+    plan = WeightedSumPlan(
+        Interval.signed(8), ROWS["compressed"], Interval.signed(20), 4, Limbs(64)
+    )
     assert plan.arrival == ((20, 2),)
     # the newest sample's product joins in at clock 0
-    plan = Weighting(Interval.signed(8), ROWS["weights"], Interval.signed(10), 4, Limbs(64))
+    plan = WeightedSumPlan(Interval.signed(8), ROWS["weights"], Interval.signed(10), 4, Limbs(64))
     assert plan.arrival == ((10, 1),)
 
 
@@ -327,7 +392,7 @@ def test_weighted_sum_is_there_when_its_largest_coefficient_is():
 @pytest.mark.parametrize(("sums", "signs"), [(1, False), (3, False), (1, True), (3, True)])
 def test_accumulator(sums, signs, limb):
     item = Interval.signed(9)
-    plan = Accumulation(item, skewed(9, limb, 2), item.repeated(5), limb, sums=sums, signs=signs)
+    plan = AccumulatorPlan(item, skewed(9, limb, 2), item.repeated(5), limb, sums=sums, signs=signs)
     part = Accumulator(plan)
     rng = random.Random(4)
     steps, last, carry, values, after = set(), set(), set(), {}, {}
@@ -355,7 +420,7 @@ def test_accumulator(sums, signs, limb):
 @pytest.mark.parametrize("gap", [1, 2, 3, 4])
 def test_accumulator_shows_the_sum_before(gap):
     item = Interval(-10, 10)
-    plan = Accumulation(
+    plan = AccumulatorPlan(
         item, at_once(item.bits), item.repeated(5), Limbs(3), item.repeated(4), gap=gap
     )
     part = Accumulator(plan)
@@ -380,10 +445,10 @@ OPERANDS = [
 ]
 
 
-@pytest.mark.parametrize("sharing", SHARINGS, ids=lambda s: f"{s.steps} steps")
+@pytest.mark.parametrize("folding", FOLDINGS, ids=lambda s: f"{s.steps} steps")
 @pytest.mark.parametrize(("bits", "limb", "target"), OPERANDS)
 @pytest.mark.parametrize(("lead", "inverted"), [(0, False), (3, True)])
-def test_cross_array(sharing, bits, limb, target, lead, inverted):
+def test_cross_array(folding, bits, limb, target, lead, inverted):
     """Launches as close as they may be, a total restarted after every third."""
     ranges = [Interval.signed(width) for width in bits]
     left0, left1, right0, right1 = (
@@ -395,10 +460,12 @@ def test_cross_array(sharing, bits, limb, target, lead, inverted):
         return (left.range * right.range - left.range * right.range).repeated(3)
 
     totals = (span(left0, right0), span(left0, right1) + span(left1, right0))
-    plan = Crossing((left0, left1), (right0, right1), totals, sharing, TARGETS[target], limb, 8)
+    plan = CrossArrayPlan(
+        (left0, left1), (right0, right1), totals, folding, TARGETS[target], limb, 8
+    )
     part = CrossArray(plan, lead, primitive=False, inverted=inverted)
     rng = random.Random(5)
-    launches = [lead + i * sharing.steps for i in range(9)]
+    launches = [lead + i * folding.steps for i in range(9)]
     items = {t: [extremes(span, rng, 3) for span in ranges] for t in launches}
     inputs = [
         (getattr(part, name)[axis], (operand.arrival, {t: v[i][axis] for t, v in items.items()}))
@@ -414,7 +481,7 @@ def test_cross_array(sharing, bits, limb, target, lead, inverted):
     flags = [(part.launch, {t - lead for t in launches}), (part.last, {t - lead for t in ends})]
     seen = stream(part, inputs, outputs, launches[-1] + 60, flags)
     for end in ends:
-        three = [items[end - back * sharing.steps] for back in range(3)]
+        three = [items[end - back * folding.steps] for back in range(3)]
         coning = [cross(a, s) for a, _, s, _ in three]
         sculling = [cross(a, r) for a, _, _, r in three] + [cross(b, s) for _, b, s, _ in three]
         for name, vectors in (("coning", coning), ("sculling", sculling)):
@@ -441,9 +508,9 @@ def result_of(words, rng):
 def test_handover_keeps_each_result_until_it_is_taken():
     words, rng = small_words(), random.Random(6)
     arrivals = arrivals_of(words)
-    part = HandOver(words, arrivals, 2)
+    part = HandOver(HandOverPlan(words, arrivals, 2))
     complete = max(c for three in arrivals.values() for one in three for _, c in one)
-    assert part.complete == complete
+    assert part.plan.complete == complete
     results = [result_of(words, rng) for _ in range(3)]
     starts = [10, 60, 110]
     log = []
@@ -489,7 +556,8 @@ def test_stream_handover_gives_the_words(chance):
     design = DESIGNS["taylor_2p0"]
     words, rng = design.words, random.Random(8)
     arrivals = arrivals_of(words)
-    part = StreamHandOver(words, words_per_column(design), arrivals, 2)
+    columns = words_per_column(design)
+    part = StreamHandOver(HandOverPlan(words, arrivals, 2, column_words=columns))
     results = [result_of(words, rng) for _ in range(3)]
     taken_words, gaps = [], 0
 
@@ -509,7 +577,7 @@ def test_stream_handover_gives_the_words(chance):
                 ctx.set(part.major_end, int(now == 2))
                 ctx.set(part.status, i + 1 if now == 3 else 0)
                 _, _, valid = await ctx.tick().sample(part.valid)
-                assert valid == (now > part.complete)
+                assert valid == (now > part.plan.complete)
             count, done = 0, 0
             while not done:
                 ready = int(rng.random() < chance)

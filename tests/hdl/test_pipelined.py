@@ -8,17 +8,11 @@ from amaranth.hdl import ClockDomain, Module
 from amaranth.sim import Simulator
 
 from position_designs import HIGH_RESOLUTION
-from sculler_hdl.parts.cross import SHARINGS
-from sculler_hdl.pipelined import (
-    LATENCY_GOAL,
-    POSITION_LATENCY_GOAL,
-    PipelinedCore,
-    launch_gap,
-    plan,
-    timing,
-)
-from sculler_hdl.ports import counter_ports
-from sculler_hdl.verilog import generate
+from sculler_hdl import counter_ports, generate, timing
+from sculler_hdl.pipelined.core import PipelinedCore
+from sculler_hdl.plan.cross_array import FOLDINGS
+from sculler_hdl.plan.pipelined import LATENCY_GOAL, POSITION_LATENCY_GOAL, plan_pipelined
+from sculler_hdl.plan.schedule import launch_gap
 from sculler_model.design import AXES, Design
 from sculler_model.errors import InputError
 from sculler_model.golden import CycleModel, Ports, clocks_per_major, result_ports
@@ -30,9 +24,9 @@ def with_hardware(design, **hardware):
     return Design.parse({**data, "hardware": {**data["hardware"], **hardware}})
 
 
-def test_sharings_do_all_products():
-    assert [sharing.steps for sharing in SHARINGS] == [1, 2, 3, 6, 9, 18]
-    assert all(sharing.units * sharing.steps == 18 for sharing in SHARINGS)
+def test_foldings_do_all_products():
+    assert [folding.steps for folding in FOLDINGS] == [1, 2, 3, 6, 9, 18]
+    assert all(folding.units * folding.steps == 18 for folding in FOLDINGS)
 
 
 @pytest.mark.parametrize(
@@ -60,10 +54,10 @@ def test_sharings_do_all_products():
     ],
 )
 def test_plan(name, multipliers, spacing, within, between, tiles):
-    made = plan(with_hardware(DESIGNS[name], multipliers=multipliers, target="ecp5"))
+    made = plan_pipelined(with_hardware(DESIGNS[name], multipliers=multipliers, target="ecp5"))
     assert made.timing.spacing == spacing
-    assert made.way.within.steps == within
-    assert (made.way.between and made.way.between.steps) == between
+    assert made.configuration.within.steps == within
+    assert (made.configuration.between and made.configuration.between.steps) == between
     assert made.tiles == tiles
     assert made.units == 18 // within + (18 // between if between else 0)
     assert multipliers is None or made.tiles <= multipliers
@@ -71,7 +65,7 @@ def test_plan(name, multipliers, spacing, within, between, tiles):
 
 def test_too_few_multipliers_are_refused_with_one_line():
     with pytest.raises(InputError) as caught:
-        plan(with_hardware(DESIGNS["stim300_4x5"], multipliers=3))
+        plan_pipelined(with_hardware(DESIGNS["stim300_4x5"], multipliers=3))
     assert str(caught.value) == (
         "hardware.multipliers: 3 are not enough, the pipelined core of this design needs at least"
         ' 4; give more, or core = "compact"'
@@ -89,9 +83,9 @@ def test_launch_gap():
 @pytest.mark.parametrize("target", ["generic", "ecp5", "ice40", "xilinx"])
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
 def test_every_design_takes_a_sample_a_clock(design, target):
-    made = plan(with_hardware(design, target=target))
+    made = plan_pipelined(with_hardware(design, target=target))
     assert made.timing.spacing == 1
-    assert made.way.within.steps <= launch_gap(design.table)
+    assert made.configuration.within.steps <= launch_gap(design.table)
     assert made.timing.latency <= LATENCY_GOAL
 
 
@@ -118,8 +112,10 @@ def test_latency_by_hand():
 )
 def test_plan_with_high_resolution_position(multipliers, spacing, position, tiles):
     design = HIGH_RESOLUTION["stim300_hr"]
-    made = plan(with_hardware(design, core="pipelined", target="ecp5", multipliers=multipliers))
-    found = (made.timing.spacing, made.way.position.steps, made.tiles)
+    made = plan_pipelined(
+        with_hardware(design, core="pipelined", target="ecp5", multipliers=multipliers)
+    )
+    found = (made.timing.spacing, made.configuration.position.steps, made.tiles)
     assert found == (spacing, position, tiles)
     assert multipliers < 8 or made.timing.latency <= POSITION_LATENCY_GOAL
 
@@ -139,10 +135,10 @@ def test_room_for_a_second_result_buys_time_for_additions():
 @pytest.mark.parametrize("name", ["stim300_4x5", "dense_time_3", "taylor_3p3", "wide_5p0"])
 def test_every_block_is_named_once_where_it_stands(name):
     generated = generate(with_hardware(DESIGNS[name], target="ecp5"))
-    groups = generated.manifest["resources"]["blocks"]
+    groups = generated.manifest.blocks
     instances = re.findall(r"MULT18X18D #\(.*?\) \\(\S+)", generated.verilog, re.DOTALL)
     assert sorted(f"{block}.block" for group in groups for block in group) == sorted(instances)
-    assert len(instances) == generated.manifest["resources"]["multipliers"]
+    assert len(instances) == generated.manifest.resources["multipliers"]
     for group in groups:
         assert len({block.partition(".")[0] for block in group}) == 1
 
@@ -150,7 +146,7 @@ def test_every_block_is_named_once_where_it_stands(name):
 def test_blocks_of_a_long_array_are_grouped_by_total():
     """32 bits: A x r and B x s, then what the between array has, then A x s."""
     design = with_hardware(DESIGNS["wide_5p0"], target="ecp5")
-    groups = generate(design).manifest["resources"]["blocks"]
+    groups = generate(design).manifest.blocks
     found = [{re.match(r"(\w+\.unit\d)_", block)[1] for block in group} for group in groups]
     assert found == [
         {"within.unit1", "within.unit2"},

@@ -7,10 +7,11 @@ import pytest
 from amaranth.hdl import Module
 from amaranth.sim import Simulator
 
-from sculler_hdl.parts.cross import SHARINGS
-from sculler_hdl.parts.position import Position, Positioning, most_ahead
-from sculler_hdl.parts.words import Limbs, spans
-from sculler_hdl.target import TARGETS
+from sculler_hdl import TARGETS
+from sculler_hdl.pipelined.position import Position
+from sculler_hdl.plan.arrival import Limbs, spans
+from sculler_hdl.plan.cross_array import FOLDINGS
+from sculler_hdl.plan.position import PositionPlan, most_ahead
 from sculler_model.algorithms import high_resolution
 from sculler_model.design import word_lengths
 from strategies import make_design
@@ -49,7 +50,7 @@ def test_ranges_of_the_operands(samples):
 
 
 @pytest.mark.parametrize(
-    ("samples", "sharing", "limb", "target"),
+    ("samples", "folding", "limb", "target"),
     [
         (1, 0, Limbs(64), "generic"),
         (2, 1, Limbs(20), "ecp5"),
@@ -59,11 +60,11 @@ def test_ranges_of_the_operands(samples):
         (7, 5, Limbs(11), "xilinx"),
     ],
 )
-def test_position_is_the_pages(samples, sharing, limb, target):
+def test_position_is_the_pages(samples, folding, limb, target):
     """Samples as close as they may be, then apart; full-scale counts; each bit at its own clock."""
     table = make_design("any", samples, 1, 1, (9, 12)).table
     words = word_lengths(9, 12, 1, table, high_resolution=True)
-    plan = Positioning(words, samples, SHARINGS[sharing], TARGETS[target], limb, 8)
+    plan = PositionPlan(words, samples, FOLDINGS[folding], TARGETS[target], limb, 8)
     part, rng, majors = Position(plan, primitive=False), random.Random(samples), 6
     boxes = [words.gyro] * 3 + [words.accel] * 3
     counts = [
@@ -72,7 +73,7 @@ def test_position_is_the_pages(samples, sharing, limb, target):
     ]
     expected = list(high_resolution([(tuple(c[:3]), tuple(c[3:])) for c in counts], samples))
     gaps = [
-        SHARINGS[sharing].steps + (rng.choice((0, 0, 3)) if i > len(counts) // 2 else 0)
+        FOLDINGS[folding].steps + (rng.choice((0, 0, 3)) if i > len(counts) // 2 else 0)
         for i in range(len(counts))
     ]
     taken = dict(zip(itertools.accumulate(gaps), range(len(counts)), strict=True))

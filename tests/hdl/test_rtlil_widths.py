@@ -2,7 +2,7 @@
 
 import pytest
 
-from sculler_hdl.rtlil_widths import equal_widths, top_bit
+from sculler_hdl.export.rtlil_widths import equal_widths, top_bit
 
 WIDTHS = {"\\a": 4, "\\b": 9, "\\v[0]": 5, "$1": 7}
 

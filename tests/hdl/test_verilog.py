@@ -2,14 +2,17 @@
 
 import hashlib
 import json
+import os
 import re
 import shutil
 import subprocess
 import sys
+from dataclasses import FrozenInstanceError
 
 import pytest
 
-from sculler_hdl.verilog import describe_ports, generate
+import sculler_hdl
+from sculler_hdl import describe_ports, generate
 from sculler_model.design import COLUMNS, Design
 from sculler_sim.engines.verilator_build import emitted
 from strategies import DESIGNS, with_hardware
@@ -104,7 +107,7 @@ def test_ports_are_what_the_manifest_says(design, verilog):
 
 def test_manifest_of_the_default_design():
     made = generate(Design.preset("stim300"))
-    manifest = json.loads(json.dumps(made.manifest))
+    manifest = json.loads(json.dumps(made.manifest.as_json()))
     assert manifest["verilog_sha256"] == hashlib.sha256(made.verilog.encode()).hexdigest()
     assert manifest["ports"] == describe_ports(Design.preset("stim300"))
     assert manifest["table"]["taps"][3] == [214, 92, 54]
@@ -122,19 +125,52 @@ def test_manifest_of_the_default_design():
 def test_same_design_same_bytes_in_another_process(tmp_path):
     design = DESIGNS["dense_time_3"]
     script = (
-        "import json, sys; from sculler_hdl.verilog import generate;"
-        "from sculler_model.design.design import Design;"
+        "import json, sys; from sculler_hdl import generate;"
+        "from sculler_model.design import Design;"
         "made = generate(Design.parse(json.load(sys.stdin)));"
-        "sys.stdout.write(made.verilog + json.dumps(made.manifest))"
+        "sys.stdout.write(made.verilog + json.dumps(made.manifest.as_json()))"
     )
     made = generate(design)
     for seed in ("0", "4242"):
         run = subprocess.run(
             [sys.executable, "-c", script],
             input=json.dumps(design.as_json()),
-            env={"PYTHONHASHSEED": seed},
+            env={**os.environ, "PYTHONHASHSEED": seed},
             capture_output=True,
             text=True,
             check=True,
         )
-        assert run.stdout == made.verilog + json.dumps(made.manifest)
+        assert run.stdout == made.verilog + json.dumps(made.manifest.as_json())
+
+
+def test_what_is_done_to_a_manifest_leaves_the_next_one_alone():
+    """`generate` is cached."""
+    manifest = generate(DESIGNS["smallest"]).manifest
+    text = json.dumps(manifest.as_json())
+    shown = manifest.as_json()
+    shown["ports"][0]["name"] = "spoilt"
+    shown["resources"]["blocks"][0].clear()
+    shown["design"].clear()
+    with pytest.raises(TypeError):
+        manifest.resources["multipliers"] = 0
+    with pytest.raises(FrozenInstanceError):
+        manifest.latency_clocks = 0
+    assert json.dumps(generate(DESIGNS["smallest"]).manifest.as_json()) == text
+
+
+def test_every_name_of_the_face_is_there():
+    for name in sculler_hdl.__all__:
+        assert getattr(sculler_hdl, name) is not None
+    assert set(sculler_hdl.__all__) <= set(dir(sculler_hdl))
+    with pytest.raises(AttributeError, match="no attribute 'core_of'"):
+        sculler_hdl.core_of  # noqa: B018
+
+
+def test_a_plan_needs_no_amaranth():
+    script = (
+        "import sys; sys.modules['amaranth'] = None; from sculler_hdl import timing;"
+        "from sculler_model.design import Design;"
+        "print(timing(Design.preset('stim300')).latency)"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout == "17\n"

@@ -8,9 +8,16 @@ from math import degrees, pi, radians
 import numpy as np
 import pytest
 
-from sculler_hdl.parts import weighted_sum
-from sculler_hdl.parts.cross import CONING_AND_SCULLING, SHARINGS
-from sculler_hdl.pipelined import Pace, Stages, Way, tap_rows, weight_rows
+from sculler_hdl.plan import dot_product
+from sculler_hdl.plan.cross_array import CONING_AND_SCULLING, FOLDINGS
+from sculler_hdl.plan.schedule import (
+    AdderTiming,
+    Configuration,
+    Schedule,
+    tap_rows,
+    weight_rows,
+)
+from sculler_hdl.plan.weighted_sum import terms_of
 from sculler_model.algorithms import filtered_rate, frequency_taylor, time_taylor
 from sculler_model.analysis import frequency
 from sculler_model.analysis.advice import (
@@ -41,7 +48,7 @@ def test_signed_digits_are_the_hardwares() -> None:
     rng = random.Random(2)
     values = [*range(-300, 300), *(rng.randrange(-(2**40), 2**40) for _ in range(300))]
     assert [signed_digit_count(v) for v in values] == [
-        len(weighted_sum.signed_digits(v)) for v in values
+        len(dot_product.signed_digits(v)) for v in values
     ]
 
 
@@ -57,9 +64,9 @@ def test_cost_is_what_the_core_is_made_of(algorithm: dict[str, object]) -> None:
     design = Design.preset("stim300", **algorithm)
     found = cost(design)
     n = design.table.samples
-    shared = SHARINGS[0] if design.algorithm.minors > 1 else None
-    way = Way(SHARINGS[0], shared, None, 0, Pace(64, 64, 64, 1))
-    arrays = Stages(design, way).arrays
+    shared = FOLDINGS[0] if design.algorithm.minors > 1 else None
+    made = Configuration(FOLDINGS[0], shared, None, 0, AdderTiming(64, 64, 64, 1))
+    arrays = Schedule(design, made).arrays
 
     def products(place: str) -> int:
         operands = arrays[place].operands
@@ -74,9 +81,9 @@ def test_cost_is_what_the_core_is_made_of(algorithm: dict[str, object]) -> None:
     rows = len(design.table.active_phases)
 
     def terms(phase: int) -> int:
-        return len(weighted_sum.terms_of({phase: tap_rows(design.table)[phase]}))
+        return len(terms_of({phase: tap_rows(design.table)[phase]}))
 
-    weights = len(weighted_sum.terms_of(weight_rows(design.table)))
+    weights = len(terms_of(weight_rows(design.table)))
     taps = [terms(phase) - 1 for phase in tap_rows(design.table)]
     assert found.rows == rows
     assert found.additions == 6 * (sum(taps) + weights - 1)

@@ -12,7 +12,7 @@ from rtl import (
     check_trace,
     clocks_of_major,
 )
-from sculler_hdl.core import timing
+from sculler_hdl import timing
 from strategies import DESIGNS, with_hardware
 
 pytestmark = pytest.mark.usefixtures("verilator")

@@ -15,7 +15,7 @@ from bench_files import bench_of, run_bench, shell
 from position_designs import HIGH_RESOLUTION
 from rtl import clocks_of_major, golden
 from sculler.formats.vectors import VectorsWriter, read_vectors
-from sculler_hdl.core import timing
+from sculler_hdl import timing
 from sculler_model.golden import words_per_result
 from sculler_sim.engine import simulate, trace
 from sculler_sim.stimulus import Levels, Stimulus

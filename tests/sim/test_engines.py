@@ -7,7 +7,7 @@ import pytest
 
 from rtl import golden, in_chunks, samples_of, write
 from sculler.formats.comparison import compare
-from sculler_hdl.core import timing
+from sculler_hdl import timing
 from sculler_model.fast import FastModel, VectorBlock, run_fast
 from sculler_sim.engine import simulate, trace
 from sculler_sim.stimulus import Stimulus

@@ -11,8 +11,8 @@ import pytest
 from amaranth.sim import Simulator
 
 from bench_files import shell
-from sculler_hdl.parts import losses
-from sculler_hdl.parts.losses import Losses
+from sculler_hdl.lib import losses
+from sculler_hdl.lib.losses import Losses
 from sculler_sim.engines.verilator_build import emitted
 from strategies import make_design, with_hardware
 

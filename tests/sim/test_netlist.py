@@ -5,7 +5,7 @@ from functools import cache
 
 import pytest
 
-from sculler_hdl.verilog import generate
+from sculler_hdl import generate
 from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
 from sculler_sim.place import netlist

@@ -6,7 +6,7 @@ Its Verilog in Verilator and its Amaranth design in Amaranth's simulator, generi
 import pytest
 
 from rtl import check_files, check_resets, check_trace, clocks_of_major
-from sculler_hdl.core import timing
+from sculler_hdl import timing
 from sculler_sim.stimulus import Stimulus
 from strategies import DESIGNS, on_cores
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from sculler_hdl.verilog import Generated, generate
+from sculler_hdl import Generated, Port, generate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_sim.place import nextpnr, placement, synthesis
@@ -90,7 +90,7 @@ def test_blocks_stand_where_the_plan_says(tools):
     design = small("planned", target="ecp5")
     generated = generate(design)
     made = synthesise(generated, "ecp5")
-    groups = generated.manifest["resources"]["blocks"]
+    groups = generated.manifest.blocks
     cells = json.loads(fix_blocks(made.placed, made.top, groups, ECP5))["modules"][made.top][
         "cells"
     ]
@@ -365,21 +365,19 @@ PRODUCT = """module product (clk, rst, a, b, p);
   end
 endmodule
 """
-PRODUCT_PORTS = [
-    {"name": name, "direction": direction, "width": width}
-    for name, direction, width in (
-        ("clk", "input", 1),
-        ("rst", "input", 1),
-        ("a", "input", 16),
-        ("b", "input", 16),
-        ("p", "output", 32),
-    )
-]
+PRODUCT_PORTS = (
+    Port("clk", 1),
+    Port("rst", 1),
+    Port("a", 16),
+    Port("b", 16),
+    Port("p", 32, output=True),
+)
 
 
 @pytest.fixture
 def product():
-    return Generated(PRODUCT, {"name": "product", "ports": PRODUCT_PORTS}, {}, None)
+    manifest = replace(generate(small("product")).manifest, ports=PRODUCT_PORTS)
+    return Generated(PRODUCT, manifest, {}, None)
 
 
 def test_a_netlist_that_is_not_the_designs_is_no_netlist(tools, product, monkeypatch):
@@ -458,7 +456,7 @@ def test_a_real_placement(runs, family):
     kind = {"ecp5": "TRELLIS_COMB", "ice40": "ICESTORM_LC"}[family]
     used, available = area.usage[kind]
     assert area.luts <= used <= available
-    assert found.latency_clocks == generate(design).manifest["latency_clocks"]
+    assert found.latency_clocks == generate(design).manifest.latency_clocks
 
 
 def test_an_ecp5_block_ram_sets_a_ceiling(runs):
@@ -483,8 +481,8 @@ def test_the_same_again_comes_from_the_cache(runs, monkeypatch):
 def test_an_area_estimate_for_xilinx(tools, product, monkeypatch, tmp_path):
     """One multiplication of 16 x 16 bits whose registers all fit into its block."""
     monkeypatch.setenv("SCULLER_CACHE", str(tmp_path))
-    clocks = {"latency_clocks": 3, "clocks_per_minor": 1, "clocks_per_major": 1, "resources": {}}
-    made = replace(product, manifest={**product.manifest, **clocks})
+    clocks = {"latency_clocks": 3, "clocks_per_minor": 1, "clocks_per_major": 1, "blocks": None}
+    made = replace(product, manifest=replace(product.manifest, **clocks))
     monkeypatch.setattr(placement, "generate", lambda _: made)
     found = place(small("product"), DEVICES["xc7"])
     assert found.seeds == ()

@@ -7,11 +7,10 @@ import pytest
 from amaranth import C, Module, Signal
 
 from bench_files import bench_of, run_bench, shell
+from sculler_hdl import generate, timing
 from sculler_hdl.compact.loader import Loader
-from sculler_hdl.core import timing
-from sculler_hdl.parts.losses import Losses, event_counter
-from sculler_hdl.pipelined import PipelinedCore
-from sculler_hdl.verilog import generate
+from sculler_hdl.lib.losses import Losses, emit_event_counter
+from sculler_hdl.pipelined import core as pipelined_core
 from sculler_model.design import COLUMNS, STATUS_FAULT, STATUS_LOST, STATUS_RAIL, VECTORS
 from sculler_model.errors import InputError
 from sculler_model.golden import Timing, words_per_column, words_per_result
@@ -127,7 +126,7 @@ def test_golden_vectors_have_faults_and_counts_at_rails_and_have_them_not(design
     assert not any(status & STATUS_LOST for status in found)
 
 
-def never_rail(self, m, *_):
+def never_rail(m, *_):
     return C(0, 1)
 
 
@@ -139,7 +138,7 @@ def never_forgets(self, platform):
         refused.eq(self.sample_valid & ~self.sample_ready),
         withdrawn.eq(refused & ~self.sample_valid),
     ]
-    m.d.comb += self.count.eq(event_counter(m, withdrawn, "samples_lost"))
+    m.d.comb += self.count.eq(emit_event_counter(m, withdrawn, "samples_lost"))
     with m.If(withdrawn):
         m.d.sync += self.lost.eq(1)
     return m
@@ -150,7 +149,7 @@ def counts_stalls(self, platform):
     m = Module()
     waits = Signal()
     m.d.sync += waits.eq(self.sample_valid & ~self.sample_ready)
-    m.d.comb += self.count.eq(event_counter(m, waits & self.sample_valid, "samples_lost"))
+    m.d.comb += self.count.eq(emit_event_counter(m, waits & self.sample_valid, "samples_lost"))
     return m
 
 
@@ -158,7 +157,7 @@ def counts_stalls(self, platform):
 @pytest.mark.parametrize(
     ("place", "name", "wrong", "port"),
     [
-        (PipelinedCore, "_rail", never_rail, "result_(status|data)"),
+        (pipelined_core, "emit_rail", never_rail, "result_(status|data)"),
         (Losses, "elaborate", lambda *_: Module(), "samples_lost"),
         (Losses, "elaborate", never_forgets, "result_(status|data)"),
         (Losses, "elaborate", counts_stalls, "samples_lost"),
@@ -167,7 +166,7 @@ def counts_stalls(self, platform):
 def test_a_core_without_status_bits_2_and_3_fails(
     icarus, tmp_path, monkeypatch, core, place, name, wrong, port
 ):
-    if core == "compact" and place is PipelinedCore:
+    if core == "compact" and place is pipelined_core:
         place, name, wrong = Loader, "_find_rail", lambda *_: None
     design = with_hardware(DESIGNS["taylor_2p1"], **CORES[core])
     commands = bench_of(design, tmp_path)

@@ -7,7 +7,7 @@ from itertools import permutations
 import pytest
 
 from bench_files import bench_of, shell
-from sculler_hdl.target import cell_models
+from sculler_hdl import cell_models
 from strategies import make_design, with_hardware
 
 

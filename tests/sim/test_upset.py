@@ -11,9 +11,8 @@ import pytest
 
 from bench_files import bench_of, shell
 from position_designs import HIGH_RESOLUTION
-from sculler_hdl.compact.listing import figures
-from sculler_hdl.core import timing
-from sculler_hdl.ports import sample_ports
+from sculler_hdl import sample_ports, timing
+from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_sim.engines.verilator_build import emitted
 from strategies import DESIGNS, make_design, with_hardware
 
@@ -184,7 +183,7 @@ def test_each_word_by_itself(tmp_path):
         {"cn1.v": text},
     )
     total = sum(words.depth for words in words)
-    made = figures(design)
+    made = plan_compact(design).resources
     parts = ("left_words", "right_words", "sample_words", "result_words")
     assert total >= sum(made[part] for part in parts)  # a few more: depths are powers of two
     told = re.fullmatch(r"(\d+) words, (\d+) results, (\d+) clocks differ\n", said)

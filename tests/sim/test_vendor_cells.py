@@ -14,8 +14,7 @@ import pytest
 
 from bench_files import bench_of, shell
 from position_designs import HIGH_RESOLUTION
-from sculler_hdl.target import cell_models
-from sculler_hdl.verilog import generate
+from sculler_hdl import cell_models, generate
 from sculler_model.errors import InputError
 from sculler_sim.engines.verilator_build import emitted
 from sculler_sim.place import netlist, synthesis

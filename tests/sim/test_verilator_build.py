@@ -1,6 +1,8 @@
+import json
 import os
 import shutil
 import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from importlib import metadata
@@ -9,12 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from position_designs import HIGH_RESOLUTION
 from sculler_model.errors import InputError
 from sculler_model.golden import GoldenModel
 from sculler_sim.engine import simulate
 from sculler_sim.engines import cache, verilator_build
 from sculler_sim.engines.verilator_build import Tools, build
-from strategies import DESIGNS, make_design, random_counts
+from strategies import DESIGNS, make_design, on_targets, random_counts, with_hardware
 
 DESIGN = DESIGNS["smallest"]
 
@@ -99,6 +102,39 @@ def test_the_verilog_kept_is_the_verilog_generated(own_cache):
     assert verilator_build.emitted(design) == {"kept.v": "// from the cache"}
     other = make_design("kept", 1, 1, 3, (8, 8))
     assert verilator_build.emitted(other)["kept.v"] == verilator_build.generate(other).verilog
+
+
+_EMIT = """
+import json, sys
+from sculler_hdl import generate
+from sculler_model.design import Design
+for design in json.load(sys.stdin):
+    generate(Design.parse(design))
+modules = (module for name, module in sys.modules.items() if name.startswith("sculler"))
+print(json.dumps([module.__file__ for module in modules]))
+"""
+
+
+def test_the_key_of_the_kept_verilog_covers_every_module_that_makes_it():
+    compact = {"core": "compact", "multipliers": 0, "handover": "stream"}
+    designs = [
+        *on_targets(DESIGNS["smallest"], "pipelined").values(),
+        with_hardware(DESIGNS["smallest"], **compact, overrun="drop-result"),
+        HIGH_RESOLUTION["smallest_hr"],
+    ]
+    done = subprocess.run(
+        [sys.executable, "-c", _EMIT],
+        input=json.dumps([design.as_json() for design in designs]),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    imported = {Path(file) for file in json.loads(done.stdout)}
+    key = set(verilator_build.generator_sources())
+    assert imported <= key
+    assert {path for path in key if path.suffix == ".v"}  # the vendor blocks' models
+    # what only the host uses makes no Verilog anew
+    assert not any({"navigation", "motion", "fast"} & set(path.parts) for path in key)
 
 
 def test_where_the_cache_is(monkeypatch, tmp_path):

@@ -257,14 +257,13 @@ def command(
         clock, to_instant = recording.clock, _to_instant(design, given, rates, resampler)
         with LogWriter(temporary, faults=faults, times=clock is not None) as writer:
             for chunk in chunks:
-                times = None
-                if clock is not None and chunk.times is not None:
-                    times = chunk.times + (clock.origin + to_instant)
+                times = None if chunk.times is None else chunk.times + to_instant
+                origin = 0.0 if clock is None else clock.origin
                 try:
                     counts = conversion(chunk.values)
                 except InputError as error:
                     raise InputError("; ".join([str(error), *watch.sums()])) from error
-                writer.write(counts, chunk.faults, times)
+                writer.write(counts, chunk.faults, times, origin)
         if not conversion.samples:
             raise InputError(
                 f"{log}: too few samples to make an increment of (or none from --start to --stop),"

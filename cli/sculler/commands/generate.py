@@ -76,15 +76,14 @@ def write_hardware(design: Design, folder: Path) -> list[Path]:
     Raises:
         InputError: the folder cannot be made or written to.
     """
-    from sculler_hdl.core import timing
-    from sculler_hdl.verilog import generate
+    from sculler_hdl import generate, timing
     from sculler_model.outputs import gathering
     from sculler_sim.testbench import write_testbench
 
     generated = generate(design)
     texts = {
         f"{design.name}.v": generated.verilog,
-        f"{design.name}.json": json.dumps(generated.manifest, indent=2) + "\n",
+        f"{design.name}.json": json.dumps(generated.manifest.as_json(), indent=2) + "\n",
         **{f"{cell}.v": text for cell, text in generated.cells.items()},
     }
     if generated.listing is not None:

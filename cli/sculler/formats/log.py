@@ -16,6 +16,7 @@ import sys
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from decimal import Decimal
 from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, NamedTuple
@@ -308,13 +309,15 @@ class LogWriter:
         counts: NDArray[np.int64],
         faults: NDArray[np.uint8] | None = None,
         times: NDArray[np.float64] | None = None,
+        origin: float = 0.0,
     ) -> None:
         """Append samples.
 
         Args:
             counts: (N, 6).
             faults: (N,), if the log has that column (None: 0).
-            times: (N,) stamps, s; exactly if the log has that column.
+            times: (N,) stamps, s from the origin; exactly if the log has that column.
+            origin: a whole number of s.
 
         Raises:
             ValueError: stamps are missing or too many.
@@ -329,7 +332,7 @@ class LogWriter:
         if times is not None:
             row += ",%s"
             cells = np.empty((len(counts), counts.shape[1] + 1), object)
-            cells[:, :-1], cells[:, -1] = counts, [_decimal(time) for time in times.tolist()]
+            cells[:, :-1], cells[:, -1] = counts, _decimals(times, origin)
         self._file.write((row + "\n") * len(counts) % tuple(cells.ravel().tolist()))
 
     def close(self) -> None:
@@ -346,6 +349,15 @@ class LogWriter:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _decimals(times: NDArray[np.float64], origin: float) -> list[str]:
+    """Times from an origin, each to 1 ns at least."""
+    if np.spacing(abs(origin)) < 1e-9:
+        return [_decimal(time) for time in (times + origin if origin else times).tolist()]
+    whole, since = int(origin), [Decimal(f"{time:.9f}") for time in times.tolist()]
+    texts = (f"{whole + time:f}".rstrip("0") for time in since)
+    return [text + "0" * text.endswith(".") for text in texts]
 
 
 def _decimal(value: float) -> str:

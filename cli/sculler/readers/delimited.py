@@ -54,6 +54,7 @@ def read_delimited(path: Path, request: Request, program: str | None) -> Recordi
     if header.decimal == ",":
         notes["numbers"] = "have a decimal comma"
     whole = header.stamps if clock is not None and clock.unit == "ns" else []
+    exact = header.stamps[0] if header.stamps and not whole else None
 
     def chunks() -> Iterator[Samples]:
         with open_text(path) as file:
@@ -69,6 +70,7 @@ def read_delimited(path: Path, request: Request, program: str | None) -> Recordi
                 request.advance,
                 whole,
                 header.decimal,
+                exact,
             ):
                 faults = None
                 if header.faults:
@@ -103,10 +105,10 @@ def fault_flags(path: Path, values: NDArray[np.float64]) -> NDArray[np.uint8]:
     return values.astype(np.uint8)
 
 
-def _stamps(rows: Rows) -> NDArray[np.int64] | NDArray[np.float64]:
-    """The stamps, from a column of numbers, or from one or two of whole numbers."""
+def _stamps(rows: Rows) -> NDArray[np.int64] | NDArray[np.str_]:
+    """The stamps, from a column of decimals, or from one or two of whole numbers."""
     if not rows.whole.shape[1]:
-        return rows.values[:, len(COUNTS)]
+        return rows.texts
     if rows.whole.shape[1] == 1:
         return rows.whole[:, 0]
     return rows.whole[:, 0] * 10**9 + rows.whole[:, 1]

@@ -42,8 +42,10 @@ def read_kfgins(path: Path, request: Request) -> Recording:
     def chunks() -> Iterator[Samples]:
         columns = [Column(name, at) for at, name in enumerate(COLUMNS)]
         with open_text(path) as file:
-            for rows in number_rows(file, path, 1, columns, None, request.advance):
-                yield Samples(rows.values[:, 1:], times=clock(rows.values[:, 0]))
+            for rows in number_rows(
+                file, path, 1, columns, None, request.advance, exact=columns[0]
+            ):
+                yield Samples(rows.values[:, 1:], times=clock(rows.texts))
 
     return Recording(*units, chunks(), clock=clock, notes=_NOTES)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from decimal import Decimal
 from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -82,13 +83,17 @@ ANGLE_UNITS = {
     "arcsec": _DEGREE / 3600,
 }
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_MICROSECOND_DECIMALS = {"s": 6, "ms": 3, "us": 0, "ns": -3}
+
+Stamps = NDArray[np.int64] | NDArray[np.float64] | NDArray[np.str_]
 
 
 class Samples(NamedTuple):
     """Consecutive samples of a recording.
 
     `values` is (N, 6): gyro x, y, z, accelerometer x, y, z, in the recording's units.  `faults` is
-    (N,) of 0 and 1, or None.  `times` is (N,), seconds since the recording's first stamp, or None.
+    (N,) of 0 and 1, or None.  `times` is (N,), seconds since the origin of the recording's clock,
+    or None.
     """
 
     values: NDArray[np.float64]
@@ -97,32 +102,49 @@ class Samples(NamedTuple):
 
 
 class Clock:
-    """Stamps of a file's own clock to seconds since its first one.
+    """Stamps of a file's own clock to seconds since the whole second of its first one.
 
-    Whole numbers (nanoseconds since 1970 have 19 digits) are subtracted before they become floats,
-    so no digit is lost.
+    A float tells seconds since 1970 to 0.24 µs only, in which a body that turns by 190 °/s turns
+    by 0.16″.  So the origin is taken off before anything is rounded: from whole numbers as they
+    are, from texts as decimals.  Floats that all stand for whole microseconds are taken as these.
 
     Args:
         unit: what the stamps count, of `TIME_UNITS`.
 
     Attributes:
         unit: the same.
-        origin: the first stamp, s; 0 before there is one.
+        origin: a whole number of s, at most a second from the first stamp; 0 before there is one.
     """
 
     def __init__(self, unit: str) -> None:
         self.unit = unit
         self.origin = 0.0
-        self._first: np.int64 | np.float64 | None = None
+        self._ticks = round(1 / TIME_UNITS[unit])  # a second has
+        self._begin: int | None = None  # the origin in ticks
 
-    def __call__(self, stamps: NDArray[np.int64] | NDArray[np.float64]) -> NDArray[np.float64]:
-        """Seconds since the first stamp of all, (N,)."""
-        seconds = TIME_UNITS[self.unit]
-        if self._first is None:
-            self._first = stamps[0]
-            self.origin = float(stamps[0]) * seconds
-        since: NDArray[np.float64] = (stamps - self._first) * seconds
-        return since
+    def __call__(self, stamps: Stamps) -> NDArray[np.float64]:
+        """Seconds since the origin, (N,).
+
+        Args:
+            stamps: (N,) whole numbers (int64), floats (float64), or decimals as texts.
+        """
+        if self._begin is None:
+            first = int(Decimal(str(stamps[0])))
+            seconds = abs(first) // self._ticks * (-1 if first < 0 else 1)
+            self._begin, self.origin = seconds * self._ticks, float(seconds)
+        return self._since(stamps, self._begin) / self._ticks
+
+    def _since(self, stamps: Stamps, begin: int) -> NDArray[np.float64]:
+        """Ticks since the origin, (N,)."""
+        if stamps.dtype.kind == "U":
+            return np.array([float(Decimal(text) - begin) for text in stamps.tolist()])
+        if stamps.dtype.kind == "i":
+            return (np.asarray(stamps, np.int64) - begin).astype(np.float64)
+        since: NDArray[np.float64] = stamps.astype(np.float64) - float(begin)  # exact
+        with np.errstate(over="ignore", invalid="ignore"):
+            rounded = np.round(since, _MICROSECOND_DECIMALS[self.unit])
+            near = np.abs(rounded - since) <= 0.5 * np.spacing(np.abs(stamps))
+        return rounded if near.all() else since
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from sculler_model.outputs import open_lines
 
 COMMENT = "#"
 _CHUNK_ROWS = 1 << 14
+_DIGITS = 40  # of a text that is given; those beyond are far below any clock's
 _MARKS = (  # the longer first: a mark of UTF-32 begins with one of UTF-16
     (codecs.BOM_UTF32_LE, "utf-32"),
     (codecs.BOM_UTF32_BE, "utf-32"),
@@ -46,11 +47,13 @@ class Column(NamedTuple):
 class Rows(NamedTuple):
     """Consecutive rows: (N, columns) numbers and (N, whole columns) whole numbers.
 
+    `texts` is (N,), the texts of the one column that no digit of may be lost; empty without it.
     `rounded` is the first whole number that was written with an exponent, as spreadsheets do.
     """
 
     values: NDArray[np.float64]
     whole: NDArray[np.int64]
+    texts: NDArray[np.str_]
     rounded: str | None = None
 
 
@@ -108,6 +111,7 @@ def number_rows(
     advance: Advance,
     whole: Sequence[Column] = (),
     decimal: str = ".",
+    exact: Column | None = None,
 ) -> Iterator[Rows]:
     """The given columns of the rest of a file, chunk by chunk.
 
@@ -119,13 +123,19 @@ def number_rows(
         advance: told the characters read.
         whole: columns to read as whole numbers, no digit lost.
         decimal: the mark before the decimals, a point or a comma.
+        exact: one of `columns`, to give as texts too, with a point before the decimals.
 
     Raises:
         InputError: a row is too short, a value is no finite (or whole) number, the last line is cut
             short, or there is no row.
     """
-    places = [column.place for column in (*columns, *whole)]
-    kinds = np.dtype([("values", np.float64, (len(columns),)), ("whole", np.int64, (len(whole),))])
+    texts = [] if exact is None else [exact]
+    places = [column.place for column in (*columns, *whole, *texts)]
+    kinds = np.dtype([
+        ("values", np.float64, (len(columns),)),
+        ("whole", np.int64, (len(whole),)),
+        ("texts", f"U{_DIGITS}", (len(texts),)),
+    ])  # fmt: skip
     line, rows = first_line, 0
     while lines := list(islice(file, _CHUNK_ROWS)):
         advance(sum(map(len, lines)))
@@ -157,7 +167,9 @@ def number_rows(
             if not np.isfinite(table["values"]).all():
                 _explain(lines, path, line, columns, whole, delimiter)
             rows += len(table)
-            yield Rows(table["values"], table["whole"], rounded)
+            yield Rows(
+                table["values"], table["whole"], _whole_texts(table, texts, columns), rounded
+            )
         line += len(lines)
     if not rows:
         raise InputError(f"{path}: the log has no samples, give some")
@@ -188,6 +200,17 @@ def _table(
         except DeprecationWarning as warning:
             raise ValueError(str(warning)) from warning
     return table
+
+
+def _whole_texts(
+    table: NDArray[np.void], texts: Sequence[Column], columns: Sequence[Column]
+) -> NDArray[np.str_]:
+    """The texts; where one is too long for its field, the number instead."""
+    if not texts:
+        return np.empty(0, np.str_)
+    given, values = table["texts"][:, 0], table["values"][:, columns.index(texts[0])]
+    cut: NDArray[np.bool_] = np.char.str_len(given) >= _DIGITS
+    return np.where(cut, values.astype(np.str_), given) if cut.any() else given
 
 
 def _with_whole(

@@ -6,9 +6,9 @@ from amaranth import Module, Signal
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.compact.program import program, short_majors
-from sculler_hdl.parts.words import FlagLine
-from sculler_model.design import Design
+from sculler_hdl.lib.delay import ControlDelay
+from sculler_hdl.plan.compact.plan import CompactPlan
+from sculler_hdl.plan.history import short_majors
 
 CONDITIONS = data.StructLayout(
     {
@@ -44,10 +44,13 @@ class Control(wiring.Component):
         conditions (out): of that sample.
         at_rail (out): a count of its major interval so far stood at its rail; looked at in the
             second clock after `loaded`.
+
+    Args:
+        plan: the plan.
     """
 
-    def __init__(self, design: Design) -> None:
-        self.design = design
+    def __init__(self, plan: CompactPlan) -> None:
+        self.plan = plan
         super().__init__(
             {
                 "take": In(1),
@@ -65,18 +68,19 @@ class Control(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
-        n, minors = self.design.algorithm.samples, self.design.algorithm.minors
+        design = self.plan.design
+        n, minors = design.algorithm.samples, design.algorithm.minors
         phase = Signal(range(n))
         minor = Signal(range(minors))
-        short = short_majors(self.design)
+        short = short_majors(design)
         major = Signal(range(max(short, 1) + 1))  # stays at its largest
         awaited = Signal()  # a major interval has ended and its result is not yet taken whole
         fault, lost, rail = Signal(), Signal(), Signal()
-        ended = FlagLine(m, "ended", self.loaded & self.conditions.major_end)
+        ended = ControlDelay(m, "ended", self.loaded & self.conditions.major_end)
         minor_end = Signal()
         m.d.comb += [
             minor_end.eq(phase == n - 1),
-            self.has_work.eq(phase.matches(*(k - 1 for k in program(self.design).phases))),
+            self.has_work.eq(phase.matches(*(k - 1 for k in self.plan.program.phases))),
             self.conditions.first_minor.eq(minor == 0),
             self.conditions.first_major.eq(major == 0),
             self.conditions.major_end.eq(minor_end & (minor == minors - 1)),
@@ -85,11 +89,11 @@ class Control(wiring.Component):
             self.at_rail.eq(rail | self.rail),
             self.conditions.lost.eq(lost),
         ]
-        if not self.design.drops_results:
+        if not design.drops_results:
             m.d.comb += self.blocked.eq(self.conditions.major_end & awaited & ~self.result_taken)
         with m.If(self.result_taken):
             m.d.sync += awaited.eq(0)
-        m.d.sync += rail.eq(self.at_rail & ~ended.at(2))
+        m.d.sync += rail.eq(self.at_rail & ~ended.at_clock(2))
         with m.If(self.take):
             m.d.sync += [fault.eq(fault | self.fault), lost.eq(lost | self.lost)]
         with m.If(self.loaded):

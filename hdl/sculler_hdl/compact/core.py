@@ -11,14 +11,13 @@ from amaranth.lib import wiring
 
 from sculler_hdl.compact.control import Control
 from sculler_hdl.compact.engine import Engine
-from sculler_hdl.compact.listing import figures, listing
 from sculler_hdl.compact.loader import Loader
 from sculler_hdl.compact.memory import BlockMemory
-from sculler_hdl.compact.microcode import timing
-from sculler_hdl.compact.program import OPERAND
 from sculler_hdl.compact.reader import Reader
-from sculler_hdl.parts.losses import Losses, event_counter
-from sculler_hdl.ports import port_members
+from sculler_hdl.lib.layout import core_members
+from sculler_hdl.lib.losses import Losses, emit_event_counter
+from sculler_hdl.plan.compact.digits import OPERAND
+from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_model.design import AXES, Design
 from sculler_model.golden import WORD_BITS
 
@@ -38,32 +37,35 @@ class CompactCore(wiring.Component):
             the same behaviour on every clock.
 
     Attributes:
+        plan: what it is built of.
         timing: the clocks it takes.
-        resources: what it takes otherwise (`listing.figures`).
+        resources: the plan's figures, for the manifest.
+        blocks: None, it does not matter where its one multiplier block stands.
         listing: its schedule as text.
     """
 
     def __init__(self, design: Design, *, primitive: bool = True) -> None:
         self.design = design
         self.primitive = primitive
-        self.timing = timing(design)
-        self.resources = figures(design)
-        self.listing = listing(design)
-        super().__init__(port_members(design))
+        self.plan = plan_compact(design)
+        self.timing = self.plan.timing
+        self.resources = self.plan.resources
+        self.blocks = None
+        self.listing = self.plan.listing
+        super().__init__(core_members(design))
 
     def elaborate(self, platform: object) -> Module:
-        m = Module()
-        target = self.design.hardware.target
-        m.submodules.control = control = Control(self.design)
-        m.submodules.loader = loader = Loader(self.design)
-        m.submodules.engine = engine = Engine(self.design, primitive=self.primitive)
-        m.submodules.reader = reader = Reader(self.design)
+        m, plan = Module(), self.plan
+        m.submodules.control = control = Control(plan)
+        m.submodules.loader = loader = Loader(plan)
+        m.submodules.engine = engine = Engine(plan, primitive=self.primitive)
+        m.submodules.reader = reader = Reader(plan)
         m.submodules.losses = losses = Losses()
         m.submodules.samples = samples = BlockMemory(
-            target, OPERAND.bits, [0] * (1 << len(loader.address)), primitive=self.primitive
+            plan.target, OPERAND.bits, [0] * (1 << len(loader.address)), primitive=self.primitive
         )
         m.submodules.results = results = BlockMemory(
-            target, WORD_BITS, [0] * (1 << len(reader.address)), primitive=self.primitive
+            plan.target, WORD_BITS, [0] * (1 << len(reader.address)), primitive=self.primitive
         )
         take = self.sample_valid & self.sample_ready
         # once high it stays so until a sample is taken: nothing else makes these true
@@ -110,6 +112,6 @@ class CompactCore(wiring.Component):
             self.result_last.eq(reader.last),
         ]
         if self.design.drops_results:
-            dropped = event_counter(m, reader.dropped, "results_dropped")
+            dropped = emit_event_counter(m, reader.dropped, "results_dropped")
             m.d.comb += self.results_dropped.eq(dropped)
         return m

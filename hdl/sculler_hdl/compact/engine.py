@@ -1,8 +1,8 @@
 """The engine: a multiplier, an accumulator, their memories and the program that drives them.
 
-    program ─▶ addresses ─▶ left memory ─────────────┐
-                       │                             ├─▶ Product ─▶ ± ─▶ accumulator ─▶ store
-                       └──▶ right | sample memory ───┘               (0 | same | >> 16)
+    program ─▶ addresses ─▶ left memory ───────────┐
+                       │                           ├─▶ DigitMultiplier ─▶ ± ─▶ accumulator ─▶ store
+                       └──▶ right | sample memory ─┘                       (0 | same | >> 16)
 
 Each column of the figure is a stage of `Pipeline`; the program word of a clock holds what each
 stage does in it (`microcode`).
@@ -16,19 +16,12 @@ from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.compact.control import CONDITIONS
 from sculler_hdl.compact.memory import BlockMemory
-from sculler_hdl.compact.microcode import microcode
-from sculler_hdl.compact.pipeline import pipeline
-from sculler_hdl.compact.product import Product
-from sculler_hdl.compact.program import (
-    OPERAND,
-    When,
-    kept_samples,
-    program,
-    result_banks,
-    sample_words,
-)
-from sculler_hdl.parts.words import FlagLine
-from sculler_model.design import STATUS_BITS, STATUS_LOST, STATUS_RAIL, Design
+from sculler_hdl.compact.multiplier import DigitMultiplier
+from sculler_hdl.lib.delay import ControlDelay
+from sculler_hdl.plan.compact.digits import OPERAND
+from sculler_hdl.plan.compact.instructions import When
+from sculler_hdl.plan.compact.plan import CompactPlan
+from sculler_model.design import STATUS_BITS, STATUS_LOST, STATUS_RAIL
 from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
 
 BITS = OPERAND.bits
@@ -51,19 +44,23 @@ class Engine(wiring.Component):
         sample_address (out), sample_data (in): to the sample memory, slot above index.
         store, store_address, store_data (out): to the result memory.
         bank (out): of the result memory, that goes to, counted from the one being filled.
+
+    Latency: `plan.timing`; an instruction every `plan.pipeline.step` clocks.
+
+    Args:
+        plan: the plan.
+        primitive: whether to instantiate the target's own blocks.
     """
 
-    def __init__(self, design: Design, *, primitive: bool = True) -> None:
-        self.design = design
+    def __init__(self, plan: CompactPlan, *, primitive: bool = True) -> None:
+        self.plan = plan
+        self.design = design = plan.design
         self.primitive = primitive
-        self.target = design.hardware.target
-        self.delays = pipeline(design)
-        self.index_bits = (sample_words(design) - 1).bit_length()
-        self.slot_bits = (kept_samples(design) - 1).bit_length()
-        made = program(design)
+        self.index_bits = plan.sizes.index_bits
+        self.slot_bits = plan.sizes.slot_bits
         self.left, self.right = (
-            BlockMemory(self.target, BITS, [0] * len(memory.names), primitive=primitive)
-            for memory in (made.left, made.right)
+            BlockMemory(plan.target, BITS, [0] * len(memory.names), primitive=primitive)
+            for memory in (plan.program.left, plan.program.right)
         )
         # of the sample that is worked on
         self.newest = Signal(self.slot_bits)
@@ -86,7 +83,7 @@ class Engine(wiring.Component):
                 "store": Out(1),
                 "store_address": Out(range(words_per_result(design))),
                 "store_data": Out(WORD_BITS),
-                "bank": Out((result_banks(design) - 1).bit_length()),
+                "bank": Out(plan.sizes.bank_bits),
             }
         )
 
@@ -94,7 +91,7 @@ class Engine(wiring.Component):
         m = Module()
         operands, word = self._fetch(m)
         left, right = self._operands(m, operands, word)
-        constant = operands.as_value()[: program(self.design).constant_bits].as_signed()
+        constant = operands.as_value()[: self.plan.program.constant_bits].as_signed()
         digit = self._accumulate(m, word, left, right, constant)
         bank_bits = (word.sample, word.release)[: len(self.bank)]
         for memory, store in ((self.left, word.store_left), (self.right, word.store_right)):
@@ -115,11 +112,11 @@ class Engine(wiring.Component):
 
     def _fetch(self, m: Module) -> tuple[data.View, data.View]:
         """The program counter and memory; returns the halves of words that act in this step."""
-        code = microcode(self.design)
+        code = self.plan.microcode
         halves = {"operands": code.operands, "actions": code.actions}
         layout = data.StructLayout({k: data.StructLayout(v) for k, v in halves.items()})
         m.submodules.program = words = BlockMemory(
-            self.target, layout.size, code.packed(), written=False, primitive=self.primitive
+            self.plan.target, layout.size, code.packed(), written=False, primitive=self.primitive
         )
         fetched = data.View(layout, words.data)
         word = Signal(layout["actions"].shape)
@@ -139,12 +136,12 @@ class Engine(wiring.Component):
         running = Signal(init=1)
         m.d.comb += [words.address.eq(counter), words.step.eq(self.step)]
 
-        if self.delays.step == 1:
+        if self.plan.pipeline.step == 1:
             m.d.comb += self.step.eq(1)
         else:
-            clock = Signal(range(self.delays.step))
+            clock = Signal(range(self.plan.pipeline.step))
             # constants need no multiplication
-            m.d.comb += self.step.eq((clock == self.delays.step - 1) | self.starting)
+            m.d.comb += self.step.eq((clock == self.plan.pipeline.step - 1) | self.starting)
             m.d.sync += clock.eq(clock + 1)
             with m.If(self.step | self.launch):
                 m.d.sync += clock.eq(0)
@@ -164,7 +161,7 @@ class Engine(wiring.Component):
                 self.newest.eq(self.slot),
                 self.present.eq(self.conditions),
             ]
-        with m.If(FlagLine(m, "launched", self.launch).at(2)):
+        with m.If(ControlDelay(m, "launched", self.launch).at_clock(2)):
             m.d.sync += self.rail.eq(self.at_rail)
         m.d.comb += self.publish.eq(self.step & word.publish & self.present.major_end)
         return fetched.operands, word
@@ -172,7 +169,7 @@ class Engine(wiring.Component):
     def _operands(self, m: Module, operands: data.View, word: data.View) -> tuple[Value, Value]:
         """From the addresses in the word to the two operands."""
         m.submodules.left, m.submodules.right = self.left, self.right
-        zero = program(self.design).idle.left.address
+        zero = self.plan.program.idle.left.address
         left_address = Signal(len(self.left.address))
         right_address = Signal(len(self.right.address))
         sample_address = Signal(len(self.sample_address))
@@ -222,11 +219,11 @@ class Engine(wiring.Component):
         To keep the addition short, the carry out of the low digit waits a step.  Then it goes
         where its weight is: into the high part, or, when that moves down, into the low digit.
         """
-        m.submodules.product = product = Product(self.design, primitive=self.primitive)
+        m.submodules.product = product = DigitMultiplier(self.plan, primitive=self.primitive)
         addend = Signal(signed(2 * BITS), reset_less=True)  # - product = ~product + 1
         one = Signal(reset_less=True)
         low = Signal(WORD_BITS, reset_less=True)
-        high_bits = program(self.design).accumulator.bits - WORD_BITS
+        high_bits = self.plan.program.accumulator.bits - WORD_BITS
         high = Signal(signed(high_bits), reset_less=True)
         carry = Signal(reset_less=True)
         m.d.comb += [

@@ -8,14 +8,8 @@ from amaranth import C, Cat, Module, Mux, Signal, Value, signed, unsigned
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.compact.program import (
-    OPERAND,
-    digit_count,
-    digits_per_count,
-    kept_samples,
-    sample_words,
-)
-from sculler_model.design import Design
+from sculler_hdl.plan.compact.digits import OPERAND, digit_count
+from sculler_hdl.plan.compact.plan import CompactPlan
 from sculler_model.golden import WORD_BITS
 
 
@@ -35,15 +29,18 @@ class Loader(wiring.Component):
         slot (out): the newest sample's.
         write, address, data (out): to the sample memory; the address is the index in the slot,
             then the slot.
+
+    Args:
+        plan: the plan.
     """
 
-    def __init__(self, design: Design) -> None:
-        self.design = design
-        self.slots = kept_samples(design)
-        self.words = sample_words(design)
-        index_bits = (self.words - 1).bit_length()
-        slot_bits = (self.slots - 1).bit_length()
-        words = design.words
+    def __init__(self, plan: CompactPlan) -> None:
+        self.design = plan.design
+        self.digits = plan.sizes.digits_per_count
+        self.slots = plan.sizes.kept_samples
+        self.words = plan.sizes.sample_words
+        index_bits, slot_bits = plan.sizes.index_bits, plan.sizes.slot_bits
+        words = self.design.words
         super().__init__(
             {
                 "take": In(1),
@@ -61,7 +58,7 @@ class Loader(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
-        words, digits = self.design.words, digits_per_count(self.design)
+        words = self.design.words
         bits = max(words.gyro.bits, words.accel.bits)
         counts = [Signal(signed(bits), name=f"count{i}") for i in range(6)]
         index = Signal(range(self.words))
@@ -76,7 +73,7 @@ class Loader(wiring.Component):
 
         # the counts move up by one as each has been written
         sample = [self.gyro[i] for i in range(3)] + [self.accel[i] for i in range(3)]
-        top = C(1) if digits == 1 else index[0]
+        top = C(1) if self.digits == 1 else index[0]
         with m.If(self.take):
             m.d.sync += [count.eq(new) for count, new in zip(counts, sample, strict=True)]
         with m.Elif(top):
@@ -114,7 +111,7 @@ class Loader(wiring.Component):
     def _digit(self, count: Signal, index: Signal) -> Value:
         """The digit to write: signed if it is its count's only or top one."""
         words = self.design.words
-        if digits_per_count(self.design) == 1:
+        if self.digits == 1:
             return count
         low = Cat(count[:WORD_BITS], C(0, OPERAND.bits - WORD_BITS)).as_signed()
         gyro_single, accel_single = (

@@ -9,7 +9,7 @@ from amaranth import C, Cat, ClockSignal, Const, Instance, Module, Signal, Value
 from amaranth.lib import memory, wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.compact.pipeline import memory_latency
+from sculler_hdl.targets import Target
 
 
 class BlockMemory(wiring.Component):
@@ -20,8 +20,8 @@ class BlockMemory(wiring.Component):
     clock on.  Reading a word in the very clock it is written gives nothing to rely on.
 
     Args:
-        target: the design's target; the ECP5's block is instantiated where the memory fits, to
-            have its output register, which synthesis does not infer.
+        target: the family of devices; its own block is instantiated where it has one and the
+            memory fits.
         width, initial: bits of a word, and what the words hold at first (not after reset).
         written: whether the write port is used.
         primitive: False infers the memory for every target.
@@ -29,7 +29,7 @@ class BlockMemory(wiring.Component):
 
     def __init__(
         self,
-        target: str,
+        target: Target,
         width: int,
         initial: Sequence[int],
         *,
@@ -39,8 +39,10 @@ class BlockMemory(wiring.Component):
         self.width = width
         self.initial = [value & (1 << width) - 1 for value in initial]
         self.written = written
-        self.latency = memory_latency(target)
-        self.instantiated = primitive and target == "ecp5" and len(self.initial) <= 2048
+        self.latency = target.memory_latency
+        self.instantiated = (
+            primitive and target.memory_cell == "DP16KD" and len(self.initial) <= 2048
+        )
         address = range(max(len(self.initial), 2))
         super().__init__(
             {

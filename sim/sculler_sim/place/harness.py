@@ -10,8 +10,9 @@ is measured without it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable
+
+from sculler_hdl import Port
 
 TOP = "sculler__harness"
 """The harness' module; no design can be called so, for its name has no two _ in a row."""
@@ -19,26 +20,26 @@ CORE = "core"
 """Instance of the core in the harness: its signals are `core.` and their own name."""
 
 
-def harness(core: str, ports: Iterable[Mapping[str, Any]]) -> str:
+def harness(core: str, ports: Iterable[Port]) -> str:
     """Verilog of the harness, and of the core as a black box.
 
     Args:
         core: name of the core's module.
-        ports: its ports (`manifest["ports"]`).
+        ports: its ports (`Manifest.ports`).
     """
     inputs, outputs, declarations, connections = 0, 0, [], [".clk(clk)"]
     for port in ports:
-        name, width = port["name"], port["width"]
-        declarations.append(f"  {port['direction']} [{width - 1}:0] {name};")
+        name, width = port.name, port.bits
+        declarations.append(f"  {port.direction} [{width - 1}:0] {name};")
         if name == "clk":
             continue
-        if port["direction"] == "input":
+        if not port.output:
             connections.append(f".{name}(fed[{inputs + width - 1}:{inputs}])")
             inputs += width
         else:
             connections.append(f".{name}(shown[{outputs + width - 1}:{outputs}])")
             outputs += width
-    names = ", ".join(port["name"] for port in ports)
+    names = ", ".join(port.name for port in ports)
     text_declarations = "\n".join(declarations)
     text_connections = ",\n    ".join(connections)
     return f"""(* blackbox *)

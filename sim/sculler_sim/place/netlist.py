@@ -15,9 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_hdl.ports import result_ports, sample_ports
-from sculler_hdl.target import cell_models
-from sculler_hdl.verilog import Generated
+from sculler_hdl import Generated, cell_models, result_ports, sample_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
@@ -140,10 +138,11 @@ def _row(design: Design, text: str) -> tuple[int, ...]:
         return from_words(design, [int(word, 16) for word in text.split(",")])
     word = int(text, 16)
     row = []
-    for _, bits, signed in result_ports(design):
+    for port in result_ports(design):
+        bits = port.bits
         value = word & ((1 << bits) - 1)
         word >>= bits
-        row.append(value - (1 << bits) if signed and value >> (bits - 1) else value)
+        row.append(value - (1 << bits) if port.signed and value >> (bits - 1) else value)
     return tuple(row)
 
 
@@ -151,14 +150,14 @@ def _bench(design: Design, generated: Generated, samples: int, results: int) -> 
     """The test bench: prints a line `RESULT ...` for each result."""
     inputs, outputs = sample_ports(design), result_ports(design)
     connections, declarations, low = [], [], 0
-    for name, bits, _ in inputs:
-        connections.append(f".{name}(samples[index][{low + bits - 1}:{low}])")
-        low += bits
+    for port in inputs:
+        connections.append(f".{port.name}(samples[index][{low + port.bits - 1}:{low}])")
+        low += port.bits
     width = low
-    for name, bits, _ in outputs:
-        declarations.append(f"  wire [{bits - 1}:0] {name};")
-        connections.append(f".{name}({name})")
-    packed = ", ".join(name for name, _, _ in reversed(outputs))
+    for port in outputs:
+        declarations.append(f"  wire [{port.bits - 1}:0] {port.name};")
+        connections.append(f".{port.name}({port.name})")
+    packed = ", ".join(port.name for port in reversed(outputs))
     if design.hardware.handover == "stream":
         show = 'if (words == 0) $write("RESULT %h", result_data);\n'
         show += '        else $write(",%h", result_data);\n'
@@ -168,10 +167,8 @@ def _bench(design: Design, generated: Generated, samples: int, results: int) -> 
     else:
         show = f'$write("RESULT %h\\n", {{{packed}}});\n        results = results + 1;'
     manifest = generated.manifest
-    timing = manifest["timing"]
-    limit = (
-        1000 + timing["startup"] + timing["latency"] + 2 * results * manifest["clocks_per_major"]
-    )
+    timing = manifest.timing
+    limit = 1000 + timing.startup + timing.latency + 2 * results * manifest.clocks_per_major
     lines = "\n".join(declarations)
     ports = ",\n    ".join(connections)
     return f"""`timescale 1ns/1ps

@@ -15,7 +15,7 @@ from threading import Lock
 from typing import Any
 
 import sculler_sim
-from sculler_hdl.verilog import Generated, generate
+from sculler_hdl import Generated, generate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_sim import processes
@@ -194,7 +194,7 @@ class Placer:
         tools = [YOSYS, *([NEXTPNR[device.family]] if device.routed else [])]
         self.tools = {tool.package: tool.version() for tool in tools}
         self.generated: Generated = generate(design)
-        self.blocks = self.generated.manifest["resources"].get("blocks", [])
+        self.blocks = self.generated.manifest.blocks or ()
         self._once = Lock()
         self._synthesis: Synthesis | None = None
 
@@ -322,9 +322,9 @@ def place(
             if seed in routed
         ),
         limits=slow,
-        latency_clocks=manifest["latency_clocks"],
-        clocks_per_minor=manifest["clocks_per_minor"],
-        clocks_per_sample=manifest["clocks_per_major"] / design.samples_per_major,
+        latency_clocks=manifest.latency_clocks,
+        clocks_per_minor=manifest.clocks_per_minor,
+        clocks_per_sample=manifest.clocks_per_major / design.samples_per_major,
         tools=placer.tools,
     )
 

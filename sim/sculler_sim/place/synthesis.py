@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from sculler_hdl.verilog import Generated
+from sculler_hdl import Generated
 from sculler_sim.engines import cache
 from sculler_sim.place.devices import Family
 from sculler_sim.place.harness import CORE, TOP, harness
@@ -114,14 +114,12 @@ def synthesise(generated: Generated, family: Family) -> Synthesis:
         InputError: Yosys is not installed.
         ToolError: Yosys fails, or makes something else of the design.
     """
-    name = generated.manifest["name"]
+    name = generated.manifest.name
     harnessed = family == "ice40"
     script = _SCRIPT + (_HARNESS_SCRIPT if harnessed else "")
     with cache.workshop() as work:
         (work / "core.v").write_text(generated.verilog, encoding="utf-8")
-        (work / "harness.v").write_text(
-            harness(name, generated.manifest["ports"]), encoding="utf-8"
-        )
+        (work / "harness.v").write_text(harness(name, generated.manifest.ports), encoding="utf-8")
         text = script.format(synthesis=_SYNTHESIS[family], core=name, top=TOP)
         (work / "script.ys").write_text(text, encoding="utf-8")
         status, log = YOSYS.run(work, "script.ys")

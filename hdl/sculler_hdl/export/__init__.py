@@ -1,0 +1,1 @@
+"""From a design to files: the Verilog text and the manifest that describes it."""

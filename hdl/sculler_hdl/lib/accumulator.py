@@ -1,0 +1,86 @@
+"""AccumulatorPlan over a major interval."""
+
+from amaranth import Cat, Module, Mux, Signal, Value
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from sculler_hdl.lib.adder import add
+from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
+from sculler_hdl.plan.accumulator import AccumulatorPlan
+from sculler_hdl.plan.arrival import later, limbs
+
+
+class Accumulator(wiring.Component):
+    """One adder for one running sum, or for three that take turns; restarted by themselves.
+
+    In a clock with `step` the present sum takes in `input`: ``newest' = before + input``.  After a
+    step with `last` it starts from 0 again.  Of three sums x, y, z the present one is x, y, z, x,
+    ... from step to step, and `last` comes with all three.
+
+    Members:
+        step, last, carry: at `plan.clock`.  `carry`, if there are `signs`, is added to the sum.
+        input: as it arrives.
+        before: the present sum as the step finds it, as `plan.before_arrival` says.
+        newest: the sum that the step made, from `plan.arrival` to the next step.
+
+    Latency: 1 clock and one for each limb.
+
+    Args:
+        plan: the plan.
+        inverted: how its flags are held (`ControlDelay`), to keep them apart from another's.
+    """
+
+    def __init__(self, plan: AccumulatorPlan, *, inverted: bool = False) -> None:
+        self.plan = plan
+        self.inverted = inverted
+        super().__init__(
+            {
+                "step": In(1),
+                "last": In(1),
+                "carry": In(1),
+                "input": In(plan.item.bits),
+                "before": Out(plan.before.bits),
+                "newest": Out(plan.total.bits),
+            }
+        )
+
+    def elaborate(self, platform: object) -> Module:
+        m, plan = Module(), self.plan
+        step = ControlDelay(m, "step", self.step, plan.clock, inverted=self.inverted)
+        held = Signal(init=int(not self.inverted), name="restart")  # the newest sum is finished
+        with m.If(self.step):
+            m.d.sync += held.eq(~self.last if self.inverted else self.last)
+        restart = ~held if self.inverted else held
+        restarts = ControlDelay(m, "restart", restart, plan.clock, inverted=self.inverted)
+
+        # the newest sum goes round through `sums` - 1 registers more
+        before: list[Value] = []
+        for q, lo, hi in limbs(plan.total.bits, plan.limb):
+            present: Value = Signal(hi - lo, name=f"present_{q}")
+            m.d.comb += present.eq(Mux(restarts.at_clock(plan.clock + q), 0, self.newest[lo:hi]))
+            for place in range(plan.sums - 1, 0, -1):
+                register = Signal(hi - lo, name=f"waiting{place}_{q}")
+                with m.If(step.at_clock(plan.clock + q)):
+                    m.d.sync += register.eq(present)
+                present = register
+            if plan.sums == 1 and plan.gap > 1:  # there is time for a register before the adder
+                register = Signal(hi - lo, name=f"waiting_{q}", reset_less=True)
+                m.d.sync += register.eq(present)
+                present = register
+            before.append(present)
+        found = SkewedSignal(m, "before", Cat(*before), later(plan.arrival, -1 - plan.early))
+        made = add(
+            found,
+            SkewedSignal(m, "input", self.input, plan.item_arrival),
+            "total",
+            plan.total.bits,
+            plan.clock,
+            plan.limb,
+            carry=self.carry if plan.signs else None,
+            step=lambda q: step.at_clock(plan.clock + q),
+        )
+        m.d.comb += [
+            self.newest.eq(made.value),
+            self.before.eq(found.value[: len(self.before)]),
+        ]
+        return m

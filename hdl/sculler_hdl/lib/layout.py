@@ -1,0 +1,27 @@
+"""Shapes that the parts share."""
+
+from amaranth import Value, signed, unsigned
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+
+from sculler_hdl.plan.ports import Port, core_ports
+from sculler_model.design import Design, Interval
+
+
+def vector(interval: Interval) -> data.ArrayLayout:
+    """Three signed components (x, y, z), each just wide enough for the interval."""
+    return data.ArrayLayout(signed(interval.bits), 3)
+
+
+def is_one_of(value: Value, choices: list[int]) -> Value:
+    """1 where the value equals one of the choices."""
+    return value.matches(*choices)
+
+
+def core_members(design: Design) -> dict[str, wiring.Member]:
+    """Ports of the design's core in the order they stand in the Verilog; `clk` and `rst` apart."""
+    return {port.name: (Out if port.output else In)(_shape(port)) for port in core_ports(design)}
+
+
+def _shape(port: Port) -> object:
+    return signed(port.bits) if port.declared_signed else unsigned(port.bits)

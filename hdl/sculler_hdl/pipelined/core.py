@@ -1,0 +1,141 @@
+"""The pipelined core: up to one six-axis sample per clock, exact results once a major interval.
+
+    sample ─▶ Sequencer ─▶ Datapath ─▶ HandOver or StreamHandOver ─▶ result
+              Losses
+
+The clock in which a sample is taken is clock 0 for all that follows from it.  Numbers travel as
+skewed words (`plan.arrival`): the low bits of a sum are worked on first, the high bits in the
+clocks after.  Each part's plan says at which clock it takes and gives what; the flags of a sample
+travel beside it (`ControlDelay`) and are looked at at those clocks.
+"""
+
+from __future__ import annotations
+
+from amaranth import Cat, Module, Mux, Signal
+from amaranth.lib import wiring
+
+from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
+from sculler_hdl.lib.layout import core_members
+from sculler_hdl.lib.losses import Losses
+from sculler_hdl.pipelined.datapath import Datapath
+from sculler_hdl.pipelined.handover import HandOver
+from sculler_hdl.pipelined.rails import emit_rail
+from sculler_hdl.pipelined.sequencer import Sequencer
+from sculler_hdl.pipelined.stream import StreamHandOver
+from sculler_hdl.plan.arrival import at_once
+from sculler_hdl.plan.pipelined import plan_pipelined
+from sculler_hdl.plan.schedule import STATUS_CLOCK
+from sculler_model.design import AXES, Design
+
+
+class PipelinedCore(wiring.Component):
+    """Coning and sculling accumulators of one design, exact in every bit.
+
+    Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.golden`):
+        sample_valid, sample_ready; sample_gyro_x..z, sample_accel_x..z (signed counts),
+        sample_fault.
+        result_valid, result_ready; result_major (unsigned), result_status (4 bits), and
+        result_NAME for each of `sculler_model.design.COMPONENTS`, signed, worst-case wide; or
+        result_data, result_last, the stream of words.
+        samples_lost, and results_dropped where the design drops results.
+
+    Throughput: one sample every `timing.spacing` clocks.  Within a major interval nothing stalls;
+    the last sample of an interval waits while there is no room for its result (`timing.results`).
+
+    Latency: `timing.latency`, from an interval's last sample to `result_valid`.
+
+    Args:
+        design: the design.
+        primitive: whether to instantiate the target's own multiplier blocks.
+
+    Attributes:
+        plan: what it is built of.
+        timing: clocks it takes.
+        resources: the plan's figures, for the manifest.
+        blocks: names of its multiplier blocks in groups (`Schedule.blocks`).
+        listing: None, there is no schedule to read.
+
+    Raises:
+        InputError: see `plan_pipelined`.
+    """
+
+    def __init__(self, design: Design, *, primitive: bool = True) -> None:
+        self.design = design
+        self.primitive = primitive
+        self.plan = plan_pipelined(design)
+        self.timing = self.plan.timing
+        self.schedule = self.plan.schedule
+        self.sequencer = Sequencer(design, self.timing.spacing, self.timing.results)
+        made = self.schedule.handover(self.timing.results)
+        stream = design.hardware.handover == "stream"
+        self.handover: HandOver | StreamHandOver = (StreamHandOver if stream else HandOver)(made)
+        self.resources = self.plan.resources
+        self.blocks = tuple(map(tuple, self.schedule.blocks))
+        self.listing = None
+        super().__init__(core_members(design))
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        m.submodules.sequencer = sequencer = self.sequencer
+        m.submodules.handover = handover = self.handover
+        m.submodules.losses = losses = Losses()
+        m.d.comb += [
+            sequencer.sample_valid.eq(self.sample_valid),
+            sequencer.sample_fault.eq(self.sample_fault),
+            sequencer.result_taken.eq(handover.taken),
+            sequencer.sample_lost.eq(losses.lost),
+            losses.sample_valid.eq(self.sample_valid),
+            losses.sample_ready.eq(sequencer.sample_ready),
+            self.sample_ready.eq(sequencer.sample_ready),
+            self.samples_lost.eq(losses.count),
+        ]
+        counts = {
+            sensor: [getattr(self, f"sample_{sensor}_{axis}") for axis in AXES]
+            for sensor in ("gyro", "accel")
+        }
+        datapath = Datapath(
+            m, self.schedule, sequencer, counts, handover.input, primitive=self.primitive
+        )
+        datapath.emit()
+        self._status(m, datapath)
+        self._results(m, datapath.control["gyro"].major_end)
+        return m
+
+    def _status(self, m: Module, datapath: Datapath) -> None:
+        """The status of the interval so far, to the hand-over at the clocks it asks for."""
+        sequencer, handover, control = self.sequencer, self.handover, datapath.control["gyro"]
+        status = Signal(3)
+        news = Cat(sequencer.short, sequencer.fault, sequencer.lost)
+        with m.If(control.taken.at_clock(1)):
+            m.d.sync += status.eq(Mux(sequencer.first, 0, status) | news)
+        held = SkewedSignal(m, "status", status, at_once(3, 2))  # the next sample starts another
+        short, fault, lost = held.at_clock(STATUS_CLOCK)
+        rail = emit_rail(m, datapath.samples.first, control.taken, control.major_end)
+        m.d.comb += [
+            handover.major_end.eq(control.major_end.at_clock(handover.plan.clock)),
+            handover.status.eq(Cat(short, fault, 0, lost)),
+            handover.rail.eq(rail),
+        ]
+
+    def _results(self, m: Module, ended: ControlDelay) -> None:
+        """From the hand-over to the ports."""
+        handover = self.handover
+        m.d.comb += [
+            handover.ready.eq(self.result_ready),
+            self.result_valid.eq(handover.valid),
+        ]
+        if self.design.drops_results and handover.plan.moves is not None:
+            m.d.comb += [
+                handover.claim.eq(ended.at_clock(handover.plan.moves.claim)),
+                self.results_dropped.eq(handover.dropped),
+            ]
+        if isinstance(handover, StreamHandOver):
+            m.d.comb += [self.result_data.eq(handover.data), self.result_last.eq(handover.last)]
+            return
+        m.d.comb += [
+            self.result_major.eq(handover.shown_major),
+            self.result_status.eq(handover.shown_status),
+        ]
+        for name in self.design.vectors:
+            for i, axis in enumerate(AXES):
+                m.d.comb += getattr(self, f"result_{name}_{axis}").eq(handover.output[name][i])

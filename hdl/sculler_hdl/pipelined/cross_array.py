@@ -1,0 +1,270 @@
+"""Sums of cross products, shared over several clocks."""
+
+from __future__ import annotations
+
+from amaranth import Cat, Module, Mux, Signal, Value
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+
+from sculler_hdl.lib.accumulator import Accumulator
+from sculler_hdl.lib.adder_tree import emit_adder_tree
+from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
+from sculler_hdl.lib.multiplier import emit_multiplier
+from sculler_hdl.plan.arrival import lowest, spans
+from sculler_hdl.plan.cross_array import CrossArrayPlan
+from sculler_model.design import AXES
+
+
+class CrossArray(wiring.Component):
+    """Totals of cross products: each grows by those that its form names, at each launch.
+
+    coning += left0 x right0;  sculling += left0 x right1 + left1 x right0, for example.
+
+    The units take the products in `plan.folding.steps` clocks, axis by axis inside side by side
+    inside cross by cross:
+
+        held operands, ─▶ units: blocks ─▶ adder tree ─▶ Accumulator,
+        rotating          and rows                       sums rotating
+        x ◀─ y ◀─ z ◀─ x
+
+    The three components of each operand move round at every step, so that a unit finds what it
+    needs in the same place: place 1 times place 2 to be added, place 2 times place 1 to be
+    subtracted.
+
+    Members:
+        launch, last (clock -`lead`): the operands are to be taken; the totals are then complete.
+        left0, ... right0, ...: vectors, as they arrive.
+        coning, sculling, or what the totals are: their components, or the newest of them if axes
+            take turns.
+
+    A launch may follow `plan.folding.steps` clocks after the one before.
+
+    Latency: `plan.results`, from a launch to the total with its products.
+
+    Args:
+        plan: the plan.
+        lead: clocks by which its flags come earlier, for they have far to go.
+        primitive: whether to instantiate the target's multiplier blocks.
+        inverted: how `last` is held (`ControlDelay`), to keep it apart from another array's.
+    """
+
+    def __init__(
+        self, plan: CrossArrayPlan, lead: int = 0, *, primitive: bool = True, inverted: bool = False
+    ) -> None:
+        self.plan = plan
+        self.lead = lead
+        self.primitive = primitive
+        self.inverted = inverted
+        super().__init__(
+            {
+                "launch": In(1),
+                "last": In(1),
+                **{
+                    name: In(data.ArrayLayout(item.range.bits, 3))
+                    for name, item in plan.operands.items()
+                },
+                **{
+                    name: Out(data.ArrayLayout(total.bits, plan.lanes))
+                    for name, total in plan.totals.items()
+                },
+            }
+        )
+
+    def elaborate(self, platform: object) -> Module:
+        m, plan = Module(), self.plan
+        last = _Steps(m, ControlDelay(m, "last", self.last, -self.lead, inverted=self.inverted))
+        # what stands apart has flags of its own: the adders of each total, and in a long array the
+        # operands of each pair.  What a reset leaves under way is loaded for nothing, for no sum
+        # takes a step then.
+        launches = {
+            name: _Steps(
+                m, ControlDelay(m, f"launch_{name}", self.launch, -self.lead, inverted=i == 1)
+            )
+            for i, name in enumerate(plan.form.totals)
+        }
+        operands = _Operands(m, self)
+        for lane in range(plan.lanes):
+            products = self._products(m, operands, lane)
+            built: dict[tuple[int, ...], SkewedSignal] = {}
+            for name, launch in launches.items():
+                pairs = tuple(plan.pairs_of(name))
+                if pairs not in built:
+                    terms = [value for pair in pairs for value in products[pair]]
+                    tree_name = f"{name}_{AXES[lane]}"
+                    built[pairs] = emit_adder_tree(m, tree_name, plan.sums[name], terms)
+                self._total(m, name, lane, built[pairs], launch, last)
+        return m
+
+    def _products(self, m: Module, operands: _Operands, lane: int) -> list[list[Value]]:
+        """For each pair the addends of its products: of both sides, or of the one in turn."""
+        plan = self.plan
+        one, two = (lane + 1) % 3, (lane + 2) % 3
+        values: list[list[Value]] = []
+        for pair, multiplier in enumerate(plan.multipliers):
+            found: list[Value] = []
+            for number, (a, b) in enumerate([(one, two), (two, one)][: plan.sides]):
+                left = operands.seen("left", pair, a, b, lane)
+                right = operands.seen("right", pair, b, a, lane)
+                name = plan.unit_name(pair, lane, number)
+                found += emit_multiplier(m, name, multiplier, left, right, primitive=self.primitive)
+            values.append(found)
+        return values
+
+    def _total(
+        self,
+        m: Module,
+        name: str,
+        lane: int,
+        added: SkewedSignal,
+        launch: _Steps,
+        last: _Steps,
+    ) -> None:
+        """The accumulator of a total, which takes in what each step adds up."""
+        plan = self.plan
+        adder = Accumulator(plan.accumulators[name], inverted=launch.flag.inverted)
+        m.submodules[f"{name}_{AXES[lane]}_total"] = adder
+        steps, clock = plan.steps_of(name), adder.plan.clock
+        final = steps[-plan.folding.axes :]
+        m.d.comb += [
+            adder.input.eq(self._signed(m, name, added, launch)),
+            adder.step.eq(launch.during(steps, clock)),
+            adder.last.eq(last.during(final, clock)),
+            getattr(self, name)[lane].eq(adder.newest),
+        ]
+        if plan.folding.sides == 2:
+            backward = plan.steps_where(side=1)
+            m.d.comb += adder.carry.eq(launch.during(backward, clock))
+
+    def _signed(self, m: Module, name: str, word: SkewedSignal, launch: _Steps) -> Value:
+        """What a step adds, inverted where it is to be subtracted."""
+        plan = self.plan
+        bits = plan.accumulators[name].item.bits
+        if plan.folding.sides == 1:
+            return word.value[:bits]
+        backward = plan.steps_where(side=1)
+        pieces = []
+        for lo, hi, clock in spans(lowest(word.arrival, bits)):
+            piece = Signal(hi - lo, name=f"{name}_signed_{lo}", reset_less=True)
+            turned = launch.during(backward, clock).replicate(hi - lo)
+            m.d.sync += piece.eq(word.slice_at(lo, hi, clock) ^ turned)
+            pieces.append(piece)
+        return Cat(*pieces)
+
+
+class _Steps:
+    """In which steps of a launch something is done, told by a flag that goes along with it."""
+
+    def __init__(self, m: Module, flag: ControlDelay) -> None:
+        self.m = m
+        self.flag = flag
+        self._made: dict[tuple[tuple[int, ...], int], Signal] = {}
+
+    def during(self, steps: list[int], clock: int) -> Value:
+        """High in the clocks of these steps, for a thing done at `clock` in step 0."""
+        key = tuple(steps), clock
+        if key not in self._made:
+            high = Signal(name=f"{self.flag.name}_{steps[0]}to{steps[-1]}_{clock}")
+            before = [self.flag.at_clock(clock - 1 + step) for step in steps]
+            self.m.d.sync += high.eq(Cat(before).any())
+            self._made[key] = high
+        return self._made[key]
+
+
+class _Operands:
+    """The operands where the units find them: held once, or in a long array for each pair."""
+
+    def __init__(self, m: Module, array: CrossArray) -> None:
+        self.m = m
+        self.array = array
+        self.plan = plan = array.plan
+        self.loads = [
+            _Steps(
+                m,
+                ControlDelay(
+                    m,
+                    f"load{i}",
+                    array.launch,
+                    -array.lead,
+                    inverted=i == 2,
+                    cleared=i == 0,
+                ),
+            )
+            for i in range(len(plan.pairs))
+        ]
+        self.places: dict[tuple[int, str], list[SkewedSignal]] = {}
+        for group, names in enumerate(plan.pairs if plan.copied else [tuple(plan.operands)]):
+            for name in names:
+                copy = sum(name == other for _, other in self.places)
+                self.places[group, name] = self._places(name, self.loads[group].flag, copy)
+
+    def seen(self, side: str, pair: int, forward: int, backward: int, axis: int) -> SkewedSignal:
+        """A unit's operand: from the place of the forward product, or of the one in turn."""
+        plan, m = self.plan, self.m
+        name, group = plan.pairs[pair][side == "right"], pair if plan.copied else 0
+        arrival = plan.seen[name].arrival
+        word_name = f"{side}{pair}_{forward}_{axis}"
+        bits: list[Value] = []
+        for lo, hi, clock in spans(arrival):
+            chosen = self._at_place(side, group, name, forward, (lo, hi), clock)
+            if plan.folding.sides == 2:
+                swap = self.loads[group].during(plan.steps_where(side=1), clock)
+                other = self._at_place(side, group, name, backward, (lo, hi), clock)
+                chosen = Mux(swap, other, chosen)
+            piece = Signal(hi - lo, name=f"{word_name}_{lo}")
+            m.d.comb += piece.eq(chosen)
+            bits.append(piece)
+        return SkewedSignal(m, word_name, Cat(*bits), arrival)
+
+    def _at_place(
+        self, side: str, group: int, name: str, number: int, bits: tuple[int, int], clock: int
+    ) -> Value:
+        """Bits of the component in a place, of the operand in turn if they take turns."""
+        plan = self.plan
+        if plan.folding.crosses == 1:
+            return self.places[group, name][number].slice_at(*bits, clock)
+        numbers = [cross[side == "right"] for cross in plan.form.crosses]
+        chosen, *others = (
+            self.places[group, f"{side}{i}"][number].slice_at(*bits, clock)
+            for i in range(max(numbers) + 1)
+        )
+        for i, other in enumerate(others, start=1):
+            turn = plan.steps_where(cross=numbers.index(i))
+            chosen = Mux(self.loads[group].during(turn, clock), other, chosen)
+        return chosen
+
+    def _places(self, name: str, launch: ControlDelay, copy: int) -> list[SkewedSignal]:
+        """The three components of an operand, in registers that move round if axes take turns.
+
+        A second copy has other initial values, or synthesis would make it one with the first.
+        """
+        plan, m = self.plan, self.m
+        words = [
+            SkewedSignal(
+                m, f"{name}_{axis}", getattr(self.array, name)[i], plan.operands[name].arrival
+            )
+            for i, axis in enumerate(AXES)
+        ]
+        if not plan.held:
+            return words
+        side = name if plan.folding.crosses == 1 else name[:-1]
+        arrival = plan.seen[side].arrival
+        held: list[list[Value]] = [[], [], []]
+        for lo, hi, clock in spans(arrival):
+            load = launch.at_clock(clock - 1)
+            init = copy * ((1 << (hi - lo)) - 1)
+            registers = [
+                Signal(hi - lo, name=f"held{copy}_{name}_{axis}_{lo}", init=init, reset_less=True)
+                for axis in AXES
+            ]
+            for i, register in enumerate(registers):
+                held[i].append(register)
+                taken = words[i].slice_at(lo, hi, clock - 1)
+                with m.If(load):
+                    m.d.sync += register.eq(taken)
+                if plan.folding.axes == 3:
+                    with m.Else():
+                        m.d.sync += register.eq(registers[(i + 1) % 3])
+        return [
+            SkewedSignal(m, f"held{copy}_{name}_{axis}", Cat(*held[i]), arrival)
+            for i, axis in enumerate(AXES)
+        ]

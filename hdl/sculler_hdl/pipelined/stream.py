@@ -1,0 +1,144 @@
+"""Handing results over to the host as a stream of words."""
+
+from __future__ import annotations
+
+from amaranth import C, Cat, Module, Mux, Signal, Value, unsigned
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from sculler_hdl.lib.losses import emit_event_counter
+from sculler_hdl.pipelined.collector import Collector, Piece, Transfer, emit_counter
+from sculler_hdl.pipelined.handover import result_layout
+from sculler_hdl.plan.transfer import HandOverPlan
+from sculler_model.design import AXES, STATUS_BITS, columns_of
+from sculler_model.golden import COUNTER_BITS, WORD_BITS
+
+
+class StreamHandOver(wiring.Component):
+    """Hands a result over word by word (`sculler_model.golden`) while the next interval runs.
+
+    The bits of a result are put in their places in a shift register as they come by.  The
+    sequencer sees to it that no bit of the next result comes before the last word is taken.
+
+        input ─▶ [word N-1] ─▶ ... ─▶ [word 1] ─▶ [data]
+
+    The shift register moves one clock after `data`, which meanwhile looks one word further back,
+    so that the host's `ready` drives few registers.
+
+    Where results are dropped they are collected apart from the shift register, as in `HandOver`.
+
+    Members:
+        claim (clock `plan.moves.claim`): the result of a major interval will be on its way.
+        major_end (clock `plan.clock`): it is.
+        status (clock `plan.status_clock`): its status but for bit 2; rail (`RAIL_DELAY` later):
+            that.
+        input: the bits of its components, as `plan.arrivals` says.
+        ready, valid: the host's handshake for each word; data, last: the word.
+        taken: in the clock the host takes the last word.
+        dropped: how many results were dropped.
+
+    Latency: `plan.latency`, from an interval's last sample to `valid`; then a word every clock.
+
+    Args:
+        plan: the plan.
+
+    Raises:
+        ValueError: the plan is not of a stream.
+    """
+
+    def __init__(self, plan: HandOverPlan) -> None:
+        if plan.column_words is None:
+            raise ValueError("the plan hands whole results over")
+        self.plan = plan
+        self.column_words = plan.column_words
+        self.columns = columns_of(tuple(plan.ranges))
+        super().__init__(
+            {
+                "claim": In(1),
+                "major_end": In(1),
+                "status": In(STATUS_BITS),
+                "rail": In(1),
+                "input": In(result_layout(plan)),
+                "ready": In(1),
+                "valid": Out(1),
+                "taken": Out(1),
+                "dropped": Out(unsigned(COUNTER_BITS)),
+                "data": Out(unsigned(WORD_BITS)),
+                "last": Out(1),
+            }
+        )
+
+    def elaborate(self, platform: object) -> Module:
+        m, plan = Module(), self.plan
+        collector = Collector(m, plan, self.major_end)
+        count = len(self.columns) * self.column_words
+        words = [
+            self.data,
+            *(Signal(WORD_BITS, name=f"word{i}") for i in range(1, count)),
+        ]
+        left = Signal(range(count))  # words after the one in `data`
+        self._shift(m, words, left)
+
+        rest = collector.takes.rest
+        pieces = collector.status(self.status, self.rail)
+        pieces += map(self._extended, collector.components(self.input))
+        if plan.moves is None:
+            begins, show = self.major_end, rest.at_clock(plan.complete)
+            major = emit_counter(m, self.major_end, WORD_BITS * self.column_words)
+            pieces.append(Piece("major", 0, 0, plan.clock, self.major_end, major))
+        else:
+            was_taken = Signal()
+            m.d.sync += was_taken.eq(self.taken)
+            pieces += collector.majors()
+            transfer = Transfer(m, plan.moves, rest, was_taken, self.claim)
+            begins, show = transfer.lines.rest.at_clock(plan.moves.way), transfer.show
+            pieces = transfer.collected(pieces)
+            dropped = emit_event_counter(m, transfer.dropped, "results_dropped")
+            m.d.comb += self.dropped.eq(dropped)
+        with m.If(begins):
+            m.d.sync += [left.eq(count - 1), self.last.eq(0)]
+        for piece in pieces:
+            self._put(m, words, piece)
+        with m.If(show):
+            m.d.sync += self.valid.eq(1)
+        return m
+
+    def _shift(self, m: Module, words: list[Signal], left: Signal) -> None:
+        """One word after another to the host."""
+        taken, move = Signal(), Signal()
+        m.d.comb += [
+            taken.eq(self.valid & self.ready),
+            self.taken.eq(taken & self.last),
+        ]
+        m.d.sync += move.eq(taken)
+        with m.If(taken):
+            m.d.sync += [
+                self.data.eq(Mux(move, words[2], words[1])),
+                left.eq(left - 1),
+                self.last.eq(left == 1),
+            ]
+            with m.If(self.last):
+                m.d.sync += self.valid.eq(0)
+        with m.If(move):
+            for word, behind in zip(words[1:], [*words[2:], C(0, WORD_BITS)], strict=True):
+                m.d.sync += word.eq(behind)
+
+    def _extended(self, piece: Piece) -> Piece:
+        """A piece of a component; its sign goes on to the column's end."""
+        total = len(Value.cast(self.input[piece.of][piece.axis]))
+        if piece.low + len(piece.bits) < total:
+            return piece
+        sign = piece.bits[-1].replicate(WORD_BITS * self.column_words - total)
+        return piece._replace(bits=Cat(piece.bits, sign))
+
+    def _put(self, m: Module, words: list[Signal], piece: Piece) -> None:
+        """A piece into its place: bit `low` of a column's value."""
+        column = piece.of if piece.of in self.columns else f"{piece.of}_{AXES[piece.axis]}"
+        first = self.columns.index(column) * self.column_words
+        low, bits = piece.low, piece.bits
+        with m.If(piece.pulse):
+            while len(bits):
+                number, offset = divmod(low, WORD_BITS)
+                part, bits = bits[: WORD_BITS - offset], bits[WORD_BITS - offset :]
+                m.d.sync += words[first + number][offset : offset + len(part)].eq(part)
+                low += len(part)

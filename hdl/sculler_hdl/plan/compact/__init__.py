@@ -1,0 +1,1 @@
+"""The schedule of the compact core: compiled, encoded, interpreted, listed."""

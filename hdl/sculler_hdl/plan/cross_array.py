@@ -1,0 +1,262 @@
+"""How a sum of cross products is spread over product units and clocks.
+
+A cross product has six products, so three of them have 18.  `Folding` says how many units do these
+in how many clocks; `CrossArrayPlan` what that asks of operands, products, sums and accumulators.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from itertools import pairwise
+
+from sculler_hdl.plan.accumulator import AccumulatorPlan
+from sculler_hdl.plan.adder_tree import AdderTreePlan
+from sculler_hdl.plan.arrival import Arrival, Limbs, last_clock, later, lowest, spans
+from sculler_hdl.plan.multiplier import MultiplierPlan
+from sculler_hdl.targets import Target
+from sculler_model.design import AXES, ZERO_RANGE, Interval
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """What an array calculates.
+
+    Attributes:
+        crosses: (left, right) of three cross products: the numbers of their operands.
+        totals: which of them go into which total.
+    """
+
+    crosses: tuple[tuple[int, int], ...]
+    totals: Mapping[str, tuple[int, ...]]
+
+
+CONING_AND_SCULLING = Form(((0, 0), (0, 1), (1, 0)), {"coning": (0,), "sculling": (1, 2)})
+"""A x s;  A x r + B x s: or alpha x theta and so on."""
+
+SCROLLING = Form(((0, 0), (1, 1), (2, 2)), {"scrolling": (0, 1, 2)})
+"""Three cross products of different operands for one total."""
+
+NEAR = 16
+"""Blocks of an array that operands held once still reach: it stretches over some 30 columns."""
+
+LONG = 24
+"""Blocks of an array that still can stand in one row: six fours, some 54 columns."""
+
+
+@dataclass(frozen=True)
+class Folding:
+    """How the 18 products of a launch are spread over clocks: 18 / `steps` units do them.
+
+    Attributes:
+        crosses: 3: the three cross products one after another, else 1.
+        sides: 2: first the products that are added, then those that are subtracted, else 1.
+        axes: 3: x, y, z one after another, else 1.
+    """
+
+    crosses: int = 1
+    sides: int = 1
+    axes: int = 1
+
+    @property
+    def steps(self) -> int:
+        """The folding factor: clocks of a launch."""
+        return self.crosses * self.sides * self.axes
+
+    @property
+    def units(self) -> int:
+        """Product units."""
+        return 18 // self.steps
+
+
+FOLDINGS = [
+    Folding(),
+    Folding(sides=2),
+    Folding(axes=3),
+    Folding(sides=2, axes=3),
+    Folding(crosses=3, axes=3),
+    Folding(crosses=3, sides=2, axes=3),
+]
+"""The choices, most units first."""
+
+
+@dataclass(frozen=True)
+class Operand:
+    """One of the vectors: the range of a component, and when its bits are there."""
+
+    range: Interval
+    arrival: Arrival
+
+
+class CrossArrayPlan:
+    """The plan of a `CrossArray`.
+
+    Args:
+        lefts, rights: the operands.
+        totals: ranges of the totals' components, in the order of `form.totals`.
+        folding: how the units are shared.
+        target: whose multiplier blocks.
+        limb: how sums are cut.
+        residue: most low bits of an operand that may go to rows of AND gates.
+        form: what it calculates.
+
+    Attributes:
+        operands: by the names of the ports: left0, left1, ..., right0, ...
+        lanes, sides: axes, and sides of a cross product, that have units of their own.
+        pairs: names of the operands (of `seen`) that each kind of unit multiplies.
+        held: clocks that holding the operands takes: 1, or 0 where units do not take turns.
+        seen: the operands as the units see them, at the first step.
+        multipliers: of each pair.
+        tiles: multiplier blocks in all.
+        sums: what a step adds up for each total.
+        accumulators: of each total.
+        results: for each total and axis, the component on the port and when its bits are there,
+            complete, after the last launch.
+    """
+
+    def __init__(
+        self,
+        lefts: Sequence[Operand],
+        rights: Sequence[Operand],
+        totals: Sequence[Interval],
+        folding: Folding,
+        target: Target,
+        limb: Limbs,
+        residue: int,
+        form: Form = CONING_AND_SCULLING,
+    ) -> None:
+        self.operands = {f"left{i}": item for i, item in enumerate(lefts)}
+        self.operands |= {f"right{i}": item for i, item in enumerate(rights)}
+        self.form = form
+        self.totals = dict(zip(form.totals, totals, strict=True))
+        self.folding = folding
+        self.target = target
+        self.limb = limb
+        self.lanes = 3 // folding.axes
+        self.sides = 2 // folding.sides
+
+        taken = self.operands
+        self.pairs = [(f"left{a}", f"right{b}") for a, b in form.crosses]
+        if folding.crosses == 3:
+            taken = {"left": _joint(*lefts), "right": _joint(*rights)}
+            self.pairs = [("left", "right")]
+        self.held = int(folding.steps > 1)
+        self.seen = {
+            name: Operand(item.range, later(item.arrival, self.held))
+            for name, item in taken.items()
+        }
+        self.multipliers = [
+            MultiplierPlan(
+                target,
+                self.seen[a].range,
+                self.seen[b].range,
+                self.seen[a].arrival,
+                self.seen[b].arrival,
+                residue,
+            )
+            for a, b in self.pairs
+        ]
+        self.tiles = sum(one.blocks for one in self.multipliers) * self.sides * self.lanes
+
+        self.sums: dict[str, AdderTreePlan] = {}
+        self.accumulators: dict[str, AccumulatorPlan] = {}
+        self.results: dict[str, list[tuple[int, Arrival]]] = {}
+        widest = Interval.signed(max(total.bits for total in totals))
+        for name, total in self.totals.items():
+            self._plan_total(name, total, widest)
+
+    def _plan_total(self, name: str, total: Interval, widest: Interval) -> None:
+        """What a step adds up for a total, and the accumulator behind."""
+        addends, item = [], ZERO_RANGE
+        for pair in self.pairs_of(name):
+            multiplier = self.multipliers[pair]
+            one = multiplier.left * multiplier.right
+            item += one - one if self.sides == 2 else one
+            for negative in (False, True)[: self.sides]:
+                addends += [replace(part, negative=negative) for part in multiplier.addends]
+        if item.bits > widest.bits:
+            item = widest  # modulo what the totals hold
+        self.sums[name] = AdderTreePlan(addends, item, self.limb)
+        arrival = later(self.sums[name].arrival, self.folding.sides - 1)
+        if item.bits > total.bits:  # as it may be of the other total
+            item, arrival = Interval.signed(total.bits), lowest(arrival, total.bits)
+        axes = self.folding.axes
+        adder = self.accumulators[name] = AccumulatorPlan(
+            item, arrival, total, self.limb, sums=axes, signs=self.folding.sides == 2
+        )
+        final = self.steps_of(name)[-1]
+        self.results[name] = [
+            (axis % self.lanes, later(adder.arrival, final - (2 - axis) * (axes == 3)))
+            for axis in range(3)
+        ]
+
+    @property
+    def copied(self) -> bool:
+        """Whether the operands are held once for each pair: the array is long."""
+        return self.tiles > NEAR and self.folding.crosses == 1
+
+    def unit_name(self, pair: int, lane: int, number: int) -> str:
+        """The name of a unit's parts; `number` is its side, or 0 if sides take turns."""
+        return f"unit{pair}_{AXES[lane]}{number}"
+
+    @property
+    def blocks(self) -> list[list[str]]:
+        """The array's multiplier blocks, those next to each other whose products are added first.
+
+        In one group, or one for each total in a long array whose axes take turns.  Names of
+        submodules.
+        """
+        groups: list[list[str]] = []
+        for lane in range(self.lanes):
+            for total, added in self.sums.items():
+                terms: list[str | None] = []
+                for pair in self.pairs_of(total):
+                    multiplier = self.multipliers[pair]
+                    for number in range(self.sides):
+                        terms += multiplier.block_names(self.unit_name(pair, lane, number))
+                        terms += [None] * multiplier.rows
+                added_up = [block for i in added.order if (block := terms[i]) is not None]
+                seen = {block for group in groups for block in group}  # totals may take turns
+                if not seen.issuperset(added_up):
+                    groups.append([block for block in added_up if block not in seen])
+        if self.tiles > LONG and self.lanes == 1:
+            return groups
+        return [[block for group in groups for block in group]]
+
+    def pairs_of(self, total: str) -> Sequence[int]:
+        """The pairs of operands whose products a step forms for a total."""
+        return (0,) if self.folding.crosses == 3 else self.form.totals[total]
+
+    def steps_of(self, total: str) -> list[int]:
+        """The steps that add to a total."""
+        each = self.folding.sides * self.folding.axes
+        if self.folding.crosses == 1:
+            return list(range(each))
+        return [cross * each + step for cross in self.form.totals[total] for step in range(each)]
+
+    def steps_where(self, cross: int | None = None, side: int | None = None) -> list[int]:
+        """The steps of one of the crosses or one of the sides that take turns."""
+        axes, sides = self.folding.axes, self.folding.sides
+        return [
+            step
+            for step in range(self.folding.steps)
+            if cross in (None, step // (axes * sides)) and side in (None, step // axes % sides)
+        ]
+
+
+def _joint(*items: Operand) -> Operand:
+    """An operand that is now the one and now the other: its bits come with the latest."""
+    joint = reduce(Interval.__or__, (item.range for item in items))
+    ends = {end for item in items for _, end, _ in spans(item.arrival)}
+    cuts = sorted({0, joint.bits, *(end for end in ends if end < joint.bits)})
+    arrival = tuple(
+        (hi - lo, max(_clock_of(item, lo, hi) for item in items)) for lo, hi in pairwise(cuts)
+    )
+    return Operand(joint, arrival)
+
+
+def _clock_of(operand: Operand, lo: int, hi: int) -> int:
+    """The clock at which bits lo..hi-1 are there, of which the upper may be the sign."""
+    top = operand.range.bits
+    return last_clock(operand.arrival, min(lo, top - 1), min(hi, top))

@@ -1,0 +1,151 @@
+"""What the pipelined core of a design is built of.
+
+Both arrays are folded: the within array takes its operands at phases with a tap row, the between
+array at the ends of minor intervals, and until the next launch they have time for several steps
+(`Folding`).  `plan_pipelined` chooses the steps, and the clocks per sample if multipliers are
+scarce.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+
+from sculler_hdl.plan.cross_array import FOLDINGS
+from sculler_hdl.plan.multiplier import RESIDUE_BITS
+from sculler_hdl.plan.schedule import AdderTiming, Configuration, Schedule, launch_gap
+from sculler_hdl.targets import TARGETS
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.golden import Timing, clocks_per_major
+
+LATENCY_GOAL = 24
+"""Clocks from an interval's last sample to its result that folding is not to pass."""
+POSITION_LATENCY_GOAL = 32
+"""The same with high-resolution position, whose operands stand behind more additions."""
+
+
+@dataclass(frozen=True)
+class PipelinedPlan:
+    """What the pipelined core of a design is built of.
+
+    Attributes:
+        schedule: its parts and the clocks at which they stand.
+        timing: the clocks that it takes.
+    """
+
+    schedule: Schedule
+    timing: Timing
+
+    @property
+    def configuration(self) -> Configuration:
+        """How it is built."""
+        return self.schedule.configuration
+
+    @property
+    def tiles(self) -> int:
+        """Multiplier blocks."""
+        return self.schedule.tiles
+
+    @property
+    def units(self) -> int:
+        """Product units, of one or several blocks each."""
+        made = self.configuration
+        arrays = (made.within, made.between, made.position)
+        return sum(folding.units for folding in arrays if folding is not None)
+
+    @property
+    def resources(self) -> dict[str, int]:
+        """Figures for the manifest."""
+        return {"multipliers": self.tiles, "product_units": self.units}
+
+
+@lru_cache(maxsize=64)
+def plan_pipelined(design: Design) -> PipelinedPlan:
+    """Choose the folding, and the fewest clocks per sample that the multipliers allow.
+
+    Of the foldings that keep the samples' pace, those within the latency goal are preferred, of
+    them the ones that do little without multiplier blocks, of them the ones with fewest blocks.
+    Then additions are given as much time as the latency goal and the pace of results allow.
+
+    Raises:
+        InputError: `hardware.multipliers` are too few for any folding.
+    """
+    budget, goal = design.hardware.multipliers, _latency_goal(design)
+    lengths = TARGETS[design.hardware.target].limb_bits
+    made: dict[Configuration, Schedule] = {}
+    for spacing in range(1, FOLDINGS[-1].steps + 1):
+        for configuration in _configurations(design, spacing):
+            if configuration not in made:
+                made[configuration] = Schedule(design, configuration)
+        found = [one for one in made.values() if budget is None or one.tiles <= budget]
+        if found:
+            best = min(
+                found,
+                key=lambda one: (
+                    max(one.timing(spacing).latency, goal),
+                    one.configuration.residue,
+                    one.tiles,
+                    clocks_per_major(design, one.timing(spacing)),
+                    one.timing(spacing).latency,
+                ),
+            )
+            relaxed = [AdderTiming(lengths[0], *bits, 2) for bits in product(lengths, lengths)]
+            best = _slowest(design, spacing, best, relaxed)
+            # A and B afterwards: their products mostly are there before the others
+            adders = best.configuration.adders
+            taps = [adders._replace(tap_bits=bits) for bits in lengths]
+            best = _slowest(design, spacing, best, taps)
+            return PipelinedPlan(best, best.timing(spacing))
+    least = min(one.tiles for one in made.values())
+    raise InputError(
+        f"hardware.multipliers: {budget} are not enough, the pipelined core of this design needs at"
+        f' least {least}; give more, or core = "compact"'
+    )
+
+
+def _configurations(design: Design, spacing: int) -> Iterator[Configuration]:
+    """Those that keep the pace of samples so many clocks apart, with additions in one clock."""
+    longest = TARGETS[design.hardware.target].limb_bits[0]
+    hurried = AdderTiming(longest, longest, longest, 1)
+    within_gap, between_gap = (
+        samples * spacing for samples in (launch_gap(design.table), design.table.samples)
+    )
+    withins = [folding for folding in FOLDINGS if folding.steps <= within_gap]
+    betweens = [folding for folding in FOLDINGS if folding.steps <= between_gap]
+    # launched at every sample, so it has the sample's clocks and no reason to take fewer
+    position = [folding for folding in FOLDINGS if folding.steps <= spacing][-1:]
+    choices = product(
+        withins,
+        betweens if design.algorithm.minors > 1 else [None],
+        position if design.high_resolution else [None],
+        RESIDUE_BITS,
+        [hurried],
+    )
+    return map(Configuration._make, choices)
+
+
+def _slowest(
+    design: Design, spacing: int, schedule: Schedule, timings: Sequence[AdderTiming]
+) -> Schedule:
+    """The same folding with the adders that are given most time and that results lose none by."""
+    goal = max(_latency_goal(design), schedule.timing(spacing).latency)
+    others = (
+        Schedule(design, schedule.configuration._replace(adders=adders)) for adders in timings
+    )
+    return min(
+        (schedule, *others),
+        key=lambda one: (
+            max(one.timing(spacing).latency, goal),
+            clocks_per_major(design, one.timing(spacing)),
+            -one.configuration.adders.carry_clocks,
+            one.longest,
+            one.timing(spacing).latency,
+        ),
+    )
+
+
+def _latency_goal(design: Design) -> int:
+    return POSITION_LATENCY_GOAL if design.high_resolution else LATENCY_GOAL

@@ -1,0 +1,129 @@
+"""The ports of every core, by name, with what they mean."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from sculler_model.design import AXES, STATUS_BITS, Design
+from sculler_model.golden import COUNTER_BITS, PORT_MAJOR_BITS, WORD_BITS
+
+
+class Port(NamedTuple):
+    """A port: its name, its width, whether it holds a signed number, whether it is an output."""
+
+    name: str
+    bits: int
+    signed: bool = False
+    output: bool = False
+
+    @property
+    def declared_signed(self) -> bool:
+        """Whether it is declared so; a single bit, which is always 0 then, is not."""
+        return self.signed and self.bits > 1
+
+    @property
+    def direction(self) -> str:
+        """As Verilog has it."""
+        return "output" if self.output else "input"
+
+    @property
+    def meaning(self) -> str:
+        """In words, for the manifest and the head of the Verilog."""
+        return _meaning(self.name)
+
+
+def clock_ports() -> list[Port]:
+    """Those that the Verilog module has and the Amaranth component has not."""
+    return [Port("clk", 1), Port("rst", 1)]
+
+
+def sample_ports(design: Design) -> list[Port]:
+    """The ports that a sample stands on, in their order: the counts and the fault mark."""
+    counts = [
+        Port(f"sample_{sensor}_{axis}", getattr(design.words, sensor).bits, signed=True)
+        for sensor in ("gyro", "accel")
+        for axis in AXES
+    ]
+    return [*counts, Port("sample_fault", 1)]
+
+
+def component_ports(design: Design) -> list[Port]:
+    """The ports of a result's components, where all are shown at once."""
+    return [
+        Port(
+            f"result_{vector}_{axis}", getattr(design.words, vector).bits, signed=True, output=True
+        )
+        for vector in design.vectors
+        for axis in AXES
+    ]
+
+
+def result_ports(design: Design) -> list[Port]:
+    """The ports that a result, or a word of it, stands on, in their order."""
+    if design.hardware.handover == "stream":
+        return [Port("result_data", WORD_BITS, output=True), Port("result_last", 1, output=True)]
+    head = [
+        Port("result_major", PORT_MAJOR_BITS, output=True),
+        Port("result_status", STATUS_BITS, output=True),
+    ]
+    return [*head, *component_ports(design)]
+
+
+def counter_ports(design: Design) -> list[Port]:
+    """The ports that count what was lost since reset."""
+    names = ["samples_lost", *(["results_dropped"] if design.drops_results else [])]
+    return [Port(name, COUNTER_BITS, output=True) for name in names]
+
+
+def core_ports(design: Design) -> list[Port]:
+    """All ports in the order they stand in the Verilog; `clk` and `rst` apart."""
+    return [
+        Port("sample_valid", 1),
+        Port("sample_ready", 1, output=True),
+        *sample_ports(design),
+        Port("result_valid", 1, output=True),
+        Port("result_ready", 1),
+        *result_ports(design),
+        *counter_ports(design),
+    ]
+
+
+_MEANINGS = {
+    "clk": "clock, rising edge",
+    "rst": "synchronous reset, active high",
+    "sample_valid": "a sample is offered",
+    "sample_ready": "the offered sample is taken in this clock",
+    "sample_fault": "the sensor marks this sample; shown in result_status bit 1",
+    "result_valid": "a result, or a word of it, waits",
+    "result_ready": "the host takes what waits in this clock",
+    "result_data": "a word of the result, 16 bits; columns in order, least significant word first",
+    "result_last": "this word is the result's last",
+    "result_major": "number of the major interval, from 0 after reset",
+    "result_status": "bit 0: history reached before the first sample; bit 1: a sample had fault;"
+    " bit 2: a count stood at its rail; bit 3: a sample was lost",
+    "samples_lost": "samples offered and not taken since reset; at its highest: so many or more",
+    "results_dropped": "results dropped since reset; at its highest: so many or more",
+}
+
+_VECTOR_MEANINGS = {
+    "alpha": "angle sum over Dw",
+    "nu": "velocity sum over Dw",
+    "coning_within": "coning inside minor intervals over Dc",
+    "coning_between": "coning between minor intervals over 2 Dw^2",
+    "sculling_within": "sculling inside minor intervals over Dc",
+    "sculling_between": "sculling between minor intervals over 2 Dw^2",
+    "s_alpha": "integral of the angle sum over the sample interval, over 12",
+    "s_nu": "integral of the velocity sum over the sample interval, over 12",
+    "scrolling": "scrolling over the sample interval, over 4320",
+}
+
+
+def _meaning(port: str) -> str:
+    if port in _MEANINGS:
+        return _MEANINGS[port]
+    kind, _, name = port.partition("_")
+    if kind == "sample":
+        sensor, axis = name.split("_")
+        return f"{'gyro' if sensor == 'gyro' else 'accelerometer'} counts, {axis} axis"
+    vector, axis = name.rsplit("_", 1)
+    return f"{_VECTOR_MEANINGS[vector]}, {axis} axis"
