@@ -22,7 +22,7 @@ from sculler_model.navigation.wander import NOT_YET, Earth, Level, geographic, p
 def coasted(state: NavState, seconds: float) -> NavState:
     """The state so much later if attitude and velocity stay as they are, over poles too.
 
-    The way is a straight line in the level frame that does not turn about the vertical (the wander
+    The path is a straight line in the level frame that does not turn about the vertical (the wander
     angle's), on the curvature of the ellipsoid where it begins.
 
     Args:
