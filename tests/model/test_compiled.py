@@ -26,7 +26,6 @@ from sculler_model.navigation import (
     exact_increments,
 )
 from sculler_model.navigation import navigator as module
-from sculler_model.navigation.compiled import compiled_run
 
 NAMES = ("time", "q", "v", "lat", "lon", "h", "wander")
 WHERE = turn_motion(rocking=radians(1), shaking=3.0)
