@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.samples import Kind
 
@@ -190,3 +191,20 @@ def require_finite(path: Path, first: int, values: NDArray[Any], names: Sequence
         raise InputError(
             f"{path}: sample {first + row}: {names[at]} is {values[row, at]}, give a finite number"
         )
+
+
+def si_of_unit(design: Design, sensor: str, unit: Unit) -> float:
+    """SI value, in the design's kind, of one unit of a number; the interval turns rates and means.
+
+    Args:
+        design: gives kind, scales and sample interval.
+        sensor: `gyro` or `accel`.
+        unit: of the number.
+    """
+    if unit.si is None:
+        lsb: float = getattr(design.sensor, sensor).lsb
+        return lsb
+    if unit.kind in (None, design.sensor.kind):
+        return unit.si
+    T = design.sample_interval
+    return unit.si * T if unit.kind == "rate" else unit.si / T
