@@ -19,12 +19,11 @@ from sculler_model.algorithms import (
     RotaryMode,
     Sinc,
     TapTable,
-    closest_integers,
     fit,
     frequency_taylor,
-    round_taps,
 )
-from sculler_model.algorithms.lattice import search
+from sculler_model.algorithms.lattice import closest_integers, search
+from sculler_model.algorithms.least_squares import round_taps
 from sculler_model.analysis.drift import filtered_residual
 from sculler_model.errors import InputError
 
