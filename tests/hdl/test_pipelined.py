@@ -54,9 +54,9 @@ def test_plan(name, multipliers, spacing, within, between, tiles):
     assert made.timing.spacing == spacing
     assert made.configuration.within.steps == within
     assert (made.configuration.between and made.configuration.between.steps) == between
-    assert made.tiles == tiles
+    assert made.block_count == tiles
     assert made.units == 18 // within + (18 // between if between else 0)
-    assert multipliers is None or made.tiles <= multipliers
+    assert multipliers is None or made.block_count <= multipliers
 
 
 def test_too_few_multipliers_are_refused_with_one_line():
@@ -110,7 +110,7 @@ def test_plan_with_high_resolution_position(multipliers, spacing, position, tile
     design = HIGH_RESOLUTION["stim300_hr"]
     hardware = {"core": "pipelined", "handover": "stream", "target": "ecp5"}
     made = plan_pipelined(with_hardware(design, **hardware, multipliers=multipliers))
-    found = (made.timing.spacing, made.configuration.position.steps, made.tiles)
+    found = (made.timing.spacing, made.configuration.position.steps, made.block_count)
     assert found == (spacing, position, tiles)
     assert multipliers < 8 or made.timing.latency <= POSITION_LATENCY_GOAL
 
@@ -132,7 +132,7 @@ def test_room_for_a_second_result_buys_time_for_additions():
 )
 def test_every_block_is_named_once_where_it_stands(name):
     generated = generate(with_hardware(DESIGNS[name], target="ecp5"))
-    groups = generated.manifest.blocks
+    groups = generated.manifest.block_groups
     instances = re.findall(r"MULT18X18D #\(.*?\) \\(\S+)", generated.verilog, re.DOTALL)
     assert sorted(f"{block}.block" for group in groups for block in group) == sorted(instances)
     assert len(instances) == generated.manifest.resources["multipliers"]
@@ -143,7 +143,7 @@ def test_every_block_is_named_once_where_it_stands(name):
 def test_blocks_of_a_long_array_are_grouped_by_total():
     """32 bits: A x r and B x s, then what the between array has, then A x s."""
     design = with_hardware(DESIGNS["wide_5p0"], target="ecp5")
-    groups = generate(design).manifest.blocks
+    groups = generate(design).manifest.block_groups
     found = [{re.match(r"(\w+\.unit\d)_", block)[1] for block in group} for group in groups]
     assert found == [
         {"within.unit1", "within.unit2"},
