@@ -68,7 +68,7 @@ VARIANTS = {
 }
 
 
-@pytest.mark.parametrize("variant", VARIANTS.values(), ids=VARIANTS)
+@pytest.mark.parametrize("variant", tiers(VARIANTS))
 def test_both_linters_are_silent_on_every_core_and_target(variant, tmp_path, verilator):
     """With the models of the vendor's blocks, which are files of their own."""
     made = generate(variant)
