@@ -24,11 +24,11 @@ from sculler_model.navigation.wander import Level, Settings, geographic, step
 
 Array = NDArray[np.float64]
 
-Run: TypeAlias = Callable[[Level, Settings, Array, Array, Array, Array], tuple[Level, int]]
+CompiledRun: TypeAlias = Callable[[Level, Settings, Array, Array, Array, Array], tuple[Level, int]]
 
 
 @cache
-def compiled_run() -> Run | None:
+def compiled_run() -> CompiledRun | None:
     """What carries a state over many intervals at machine speed; None where Numba is missing.
 
     It takes the state, the settings, φ, ΔV_SF and ΔR_SF, (R, 3) each (the last one (0, 3) where it
@@ -48,13 +48,13 @@ def compiled_run() -> Run | None:
         for function in vars(module).values():
             if isinstance(function, FunctionType) and function.__module__ == module.__name__:
                 register_jitable(function)
-    # Numba sees only a change of this file: with the others' text the cache knows theirs as well
+    # Numba sees only a change of this file, and cannot read what it kept of types that are gone:
+    # with the others' text in its name the compiled code has a file of its own
     key = sha256("".join(map(getsource, modules)).encode()).hexdigest()
 
     def loop(
         now: Level, settings: Settings, phi: Array, dv_sf: Array, dr_sf: Array, table: Array
     ) -> tuple[Level, int]:
-        len(key)  # a part of what the compiled code is kept under
         dr = (0.0, 0.0, 0.0)
         for i in range(len(phi)):
             if settings.high_resolution:
@@ -75,8 +75,9 @@ def compiled_run() -> Run | None:
             row[7], row[8], row[9], row[10] = lat, lon, h, angle
         return now, len(phi)
 
+    loop.__qualname__ = f"loop_{key[:16]}"
     try:
-        run: Run = njit(cache=True)(loop)
+        run: CompiledRun = njit(cache=True)(loop)
     except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
         run = njit()(loop)
     return run
