@@ -110,7 +110,7 @@ CORES = {
 }
 
 
-@pytest.mark.parametrize("design", tiers(CORES, together=2))
+@pytest.mark.parametrize("design", tiers(CORES))
 def test_no_input_of_a_block_is_left_open(design, blocks):
     text = emitted(design)[f"{design.name}.v"]
     found = 0
