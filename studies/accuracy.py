@@ -1,7 +1,7 @@
 """The papers' figures beside ours: `python -m studies.accuracy` (or `make accuracy`).
 
-Writes docs/accuracy.md and its pictures.  Nothing in it is typed in but the papers' own figures and
-the words; the same program gives the same document.
+Writes docs/explanation/accuracy.md and its pictures.  Nothing in it is typed in but the papers'
+own figures and the words; the same program gives the same document.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ class Section:
         yield from documents.table("lrrl", headings, self.rows)
         if self.picture is not None:
             name, caption = self.picture
-            yield from ("", f"![{caption}](images/{name})")
+            yield from ("", f"![{caption}](../images/{name})")
         for paragraph in self.after:
             yield from ("", documents.paragraph(paragraph))
 
@@ -634,7 +634,7 @@ Functions stand in `sculler_model` and its `analysis`, commands in `sculler`."""
 
 
 def document() -> str:
-    """The whole of docs/accuracy.md."""
+    """The whole of docs/explanation/accuracy.md."""
     lines = [HEAD]
     with terminal.progress("computing", len(SECTIONS)) as advance:
         for section in SECTIONS:
@@ -748,7 +748,7 @@ def _curve(
 @click.command(epilog=terminal.examples("python -m studies.accuracy -o docs"))
 @documents.folder_option("accuracy.md")
 def command(folder: Path) -> None:
-    """Compute docs/accuracy.md and draw its pictures."""
+    """Compute docs/explanation/accuracy.md and draw its pictures."""
     documents.write_document(folder / "accuracy.md", lambda images: (document(), draw(images)))
 
 

@@ -1,8 +1,8 @@
 """What the cores reach in real devices: `python -m studies.hardware` (or `make hardware`).
 
-Writes docs/hardware.md and its pictures.  Nothing in it is typed in but the figures asked for, the
-published ones and the words.  What Yosys and nextpnr found is kept in the cache folder, so that a
-second run is quick, and the same program gives the same document.
+Writes docs/explanation/hardware.md and its pictures.  Nothing in it is typed in but the figures
+asked for, the published ones and the words.  What Yosys and nextpnr found is kept in the cache
+folder, so that a second run is quick, and the same program gives the same document.
 """
 
 from __future__ import annotations
@@ -299,7 +299,7 @@ PUBLISHED = (
 
 
 def document(placed: Sequence[tuple[Point, Placement]], corners: Sequence[Corner]) -> str:
-    """The text of docs/hardware.md.
+    """The text of docs/explanation/hardware.md.
 
     Args:
         placed: all points with what was found.
@@ -415,7 +415,7 @@ def _table(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
     rows = (table_row(point, placement) for point, placement in placed)
     yield from documents.table("ll" + "r" * (len(HEADINGS) - 2), HEADINGS, rows)
     yield ""
-    yield "![Speed against area](images/hardware-speed-area.png)"
+    yield "![Speed against area](../images/hardware-speed-area.png)"
 
 
 def _paths(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
@@ -446,7 +446,7 @@ def _space(corners: Sequence[Corner]) -> Iterator[str]:
         ),
     )
     yield ""
-    yield "![The design space](images/hardware-design-space.png)"
+    yield "![The design space](../images/hardware-design-space.png)"
 
 
 def _beside(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
@@ -531,7 +531,7 @@ def measure(chosen: Sequence[Point], advance: terminal.Advance) -> list[tuple[Po
     + ".",
 )
 def command(folder: Path, keys: tuple[str, ...]) -> None:
-    """Place and route the cores in the devices, write docs/hardware.md and draw its pictures."""
+    """Place and route the cores in the devices; write the page and its pictures."""
     chosen = [point for point in points() if not keys or point.key in keys]
     known = [point.key for point in points()]
     for key in keys:

@@ -25,10 +25,10 @@ def folder_option(name: str) -> Callable[[terminal.Command], terminal.Command]:
         "--output",
         "folder",
         type=click.Path(file_okay=False, path_type=Path),
-        default=Path("docs"),
+        default=Path("docs/explanation"),
         show_default=True,
         metavar="FOLDER",
-        help=f"Where {name} and images/ go.",
+        help=f"Where {name} goes; its pictures go to images/ beside that folder.",
     )
 
 
@@ -37,14 +37,14 @@ def write_document(path: Path, compute: Callable[[Path], tuple[str, list[Path]]]
 
     Args:
         path: of the document.
-        compute: given the folder of its pictures, images/ beside it, draws them there; returns the
-            text and the pictures.
+        compute: given the folder of its pictures, ../images/ from it, draws them there;
+            returns the text and the pictures.
 
     Raises:
         InputError: matplotlib is absent, or a folder cannot be made or written to.
     """
     require_matplotlib()
-    images = make_folder(path.parent / "images")
+    images = make_folder(path.absolute().parent.parent / "images")
     text, pictures = compute(images)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")

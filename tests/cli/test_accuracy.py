@@ -1,4 +1,4 @@
-"""docs/accuracy.md: what `make accuracy` computes today, and the papers' figures in it."""
+"""docs/explanation/accuracy.md: what `make accuracy` computes, and the papers' figures in it."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ def _split(text: str) -> tuple[list[str], list[float]]:
 
 def test_the_document_is_up_to_date(text: str) -> None:
     """Words are the same; figures too, but for the last digit another machine may round."""
-    words, numbers = _split((DOCS / "accuracy.md").read_text(encoding="utf-8"))
+    words, numbers = _split((DOCS / "explanation" / "accuracy.md").read_text(encoding="utf-8"))
     new_words, new_numbers = _split(text)
     assert "".join(words) == "".join(new_words), "run: make accuracy"
     assert numbers == pytest.approx(new_numbers, rel=0.12), "run: make accuracy"
 
 
 def test_its_pictures_are_there(text: str) -> None:
-    names = re.findall(r"\]\(images/(.*?)\)", text)
+    names = re.findall(r"\]\(../images/(.*?)\)", text)
     assert len(names) == 4
     for name in names:
         assert (DOCS / "images" / name).read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"

@@ -1,4 +1,4 @@
-"""docs/hardware.md: what is asked, what is reached, and how it is told."""
+"""docs/explanation/hardware.md: what is asked, what is reached, and how it is told."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def test_the_document_and_its_pictures(tmp_path: Path) -> None:
     pictures = hardware.draw(tmp_path, found, corners)
     for picture in pictures:
         assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
-        assert f"](images/{picture.name})" in text
+        assert f"](../images/{picture.name})" in text
 
 
 def test_an_unknown_part_is_refused() -> None:

@@ -1,7 +1,7 @@
 """The balance of coning behind a filter: what the products give, what is needed, what is left.
 
 Coning (or sculling) of frequency Ω, λ = Ω T, with both amplitudes 1, over one minor interval of n
-samples that passed F (docs/families.md Eq. 8-11):
+samples that passed F (docs/explanation/families.md Eq. 8-11):
 
     residual(λ) = |F|² (σ Σ_d K_d sin dλ + β) - ½ nλ                                        (B1)
 

@@ -61,7 +61,7 @@ def tap_table(samples: int, coefficients: Mapping[Pair, Fraction]) -> TapTable:
 
 
 def distance_sums(table: TapTable) -> list[Fraction]:
-    """K_d = Σ_k tap[k][d], d = 1..reach: all that classical coning sees of a table (Yang Eq. 8)."""
+    """K_d = Σ_k tap[k, d], d = 1..reach: all that classical coning sees of a table (Yang Eq. 8)."""
     return [Fraction(sum(column), table.denominator) for column in zip(*table.taps, strict=True)]
 
 
@@ -98,7 +98,7 @@ def true_term(samples: int, term: ManoeuvreTerm, inverse_power: Series | None = 
         ½ ∫_{-n/2}^{n/2} (A_a(τ) τ^b - A_b(τ) τ^a) dτ,   A_a(τ) = (τ^{a+1} - (-n/2)^{a+1})/(a+1)
 
     With samples that passed F, the rate seen is x, the true one is F⁻¹x.  Its correction is, up to
-    terms that cancel between one interval and the next (docs/families.md Eq. 14),
+    terms that cancel between one interval and the next (docs/explanation/families.md Eq. 14),
 
         ½ ∫ α_x × x dτ + ½ Σ_{k>=1} (-1)^k e_k ∫ (D^(2k-1) x) × x dτ,    1/|F|² = Σ e_k λ^(2k)
 
