@@ -1,6 +1,8 @@
 # sculler: every target does its own set-up (a virtual environment in .venv).
 #   make demo    the main job end to end, files and pictures in build/demo
-#   make test    lint and all tests
+#   make test    lint and the tests of every change, within five minutes on two cores
+#   make test-deep  all tests, those of a release too, within an hour
+#   make test-breaks  faults made on purpose, and which test finds each (docs/testing.md)
 #   make test-lowest  the tests of what depends on others, with every dependency at its floor
 #   make fuzz SEED=1 N=5000  corrupted inputs of every verb; findings in build/fuzz
 #   make lint    formatter, linter, type checker, import directions
@@ -17,7 +19,7 @@ BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test test-lowest fuzz lint format bench accuracy hardware release-check clean setup
+.PHONY: demo docs test test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -34,8 +36,17 @@ $(READY): pyproject.toml
 demo: $(READY)
 	$(BIN)/sculler demo
 
+# compiled tests are kept, or each worker would rewrite them all
+PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal
+
 test: lint
-	$(BIN)/pytest -n auto --dist worksteal
+	$(PYTEST) -m "not deep" </dev/null
+
+test-deep: lint
+	$(PYTEST) </dev/null
+
+test-breaks: $(READY)
+	cd tests && ../$(BIN)/python -m breaks
 
 fuzz: SEED ?= 1
 fuzz: N ?= 5000
@@ -54,10 +65,11 @@ test-lowest:
 	$(LOWEST)/bin/pip install --quiet --disable-pip-version-check 'uv>=0.5,<1'
 	$(UV) --resolution lowest-direct --editable .
 	$(UV) 'pytest>=8.2,<10' 'pytest-xdist>=3.5,<4' 'hypothesis>=6.100,<7'
-	SCULLER_BASE=1 $(LOWEST)/bin/pytest -n auto -q tests/cli/test_base_install.py
+	SCULLER_BASE=1 $(LOWEST)/bin/pytest -n auto -q tests/cli/test_base_install.py </dev/null
 	$(UV) --resolution lowest-direct --editable '.[$(EXTRAS)]'
 	@# old releases use what newer Pythons and each other give up
-	$(LOWEST)/bin/pytest -n auto --dist worksteal -q -W ignore::DeprecationWarning $(LOWEST_TESTS)
+	$(LOWEST)/bin/pytest -n auto --dist worksteal -q -m "not deep" -W ignore::DeprecationWarning \
+	  $(LOWEST_TESTS) </dev/null
 
 LOWEST_TESTS := tests/model tests/cli tests/hdl/test_verilog.py tests/sim/test_verilator_build.py \
   tests/sim/test_waves.py tests/sim/test_vectors_file.py --ignore=tests/cli/test_base_install.py

@@ -62,7 +62,7 @@ def make_design(
 
 
 def with_hardware(design: Design, **hardware: Any) -> Design:
-    """The same design with another [hardware]."""
+    """The same design with another [hardware]: these keys, the others as they come."""
     return Design.parse({**design.as_json(), "hardware": hardware})
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from sculler.formats.origin import Step, environment, told
-from sculler.runs import against_truth
+from sculler.runs.navigation import against_truth
 from sculler_model.design import Design
 from sculler_model.outputs import replacing
 

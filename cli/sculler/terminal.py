@@ -14,6 +14,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from sculler.words import Advance as Advance
+from sculler.words import plural as plural
+from sculler.words import silent as silent
+from sculler.words import three_digits as three_digits
 from sculler_model import inputs
 
 if TYPE_CHECKING:
@@ -222,32 +226,12 @@ def verbatim(text: object) -> str:
     return escape(str(text))
 
 
-def plural(count: int, thing: str) -> str:
-    """`1 sample`, `2,000 samples`."""
-    return f"{count:,} {thing}" + ("" if count == 1 else "s")
-
-
 def file_size(path: str | Path) -> int | None:
     """Bytes of a file, for progress; None for `-` or where it cannot be told."""
     try:
         return Path(path).stat().st_size
     except OSError:
         return None
-
-
-Advance = Callable[[int], None]
-"""Tell a progress bar that this much more is done."""
-
-
-def three_digits(value: float) -> str:
-    """1.5, 5,900, 0.000761: three significant digits, without an exponent where they are many."""
-    if abs(value) >= 1000:
-        return f"{float(f'{value:.3g}'):,.0f}"
-    return f"{value:.3g}"
-
-
-def silent(amount: int) -> None:
-    """An `Advance` that tells nobody."""
 
 
 @contextmanager

@@ -92,26 +92,15 @@ def testbench(
     design: Design, timing: Timing, cells: Collection[str], least: Least
 ) -> dict[str, str]:
     """The test bench's files, text by name; see `write_testbench`."""
-    # whole major intervals and a part of one (where one is more than a sample)
-    per_major, phases = design.samples_per_major, design.algorithm.samples
-    slowness = max(1, clocks_per_major(design, timing) // (_CLOCKS * per_major))
-    if design.drops_results:  # one waits until some are dropped
-        least = least[0], (max(least[1][0], _DROPPING), least[1][1])
-    before, after = (
-        max(intervals, -(-fewest // slowness // per_major)) * per_major + per_major // 2
-        for intervals, fewest in least
-    )
+    before, after = _lengths(design, timing, least)
     samples = _samples(design, before, after)
     first = run_fast(design, samples[:before, :6], samples[:before, 6])
     second = run_fast(design, samples[before:, :6], samples[before:, 6])  # after a reset
 
-    inputs, outputs = sample_ports(design), result_ports(design)
-    counters = counter_ports(design)
-    stream = design.hardware.handover == "stream"
-    parts = words_per_result(design) if stream else 1
+    parts = words_per_result(design) if design.hardware.handover == "stream" else 1
     expected: list[tuple[int, ...]] = [*first.rows(), *second.rows()]
     results = len(expected)
-    if stream:
+    if design.hardware.handover == "stream":
         expected = [
             (word, int(i == parts))
             for row in expected
@@ -121,6 +110,7 @@ def testbench(
     # clocks that a sample and a result take at most, stalls and all
     slowest_sample = timing.spacing + max(timing.work, default=0) + 16
     slowest_result = timing.latency + parts * (timing.handover_spacing + 16) + 200
+    timeout = 1000 + 2 * timing.startup + slowest_sample * len(samples) + slowest_result * results
     numbers = {
         "name": design.name,
         "sources": " ".join(f"{name}.v" for name in (design.name, *cells)),
@@ -128,9 +118,40 @@ def testbench(
         "before": before,
         "results": results,
         "results_before": len(first),
-        "per_major": per_major,
-        "phases": phases,
         "parts": parts,
+        "timeout": timeout,
+        **_contract(design, timing),
+        **_port_texts(design),
+    }
+    return {
+        f"{design.name}_tb.v": _fill("testbench.v.in", numbers),
+        f"{design.name}_samples.hex": packed_hex(samples.tolist(), sample_ports(design)),
+        f"{design.name}_expected.hex": packed_hex(expected, result_ports(design)),
+        "README.md": _fill("testbench.md.in", numbers),
+    }
+
+
+def _lengths(design: Design, timing: Timing, least: Least) -> tuple[int, int]:
+    """Samples before and after the reset.
+
+    Whole major intervals and a part of one (where one is more than a sample).
+    """
+    per_major = design.samples_per_major
+    slowness = max(1, clocks_per_major(design, timing) // (_CLOCKS * per_major))
+    if design.drops_results:  # one waits until some are dropped
+        least = least[0], (max(least[1][0], _DROPPING), least[1][1])
+    before, after = (
+        max(intervals, -(-fewest // slowness // per_major)) * per_major + per_major // 2
+        for intervals, fewest in least
+    )
+    return before, after
+
+
+def _contract(design: Design, timing: Timing) -> dict[str, object]:
+    """What the bench holds the ports to on every clock."""
+    return {
+        "per_major": design.samples_per_major,
+        "phases": design.algorithm.samples,
         "latency": timing.latency,
         "spacing": timing.spacing,
         "startup": timing.startup,
@@ -139,31 +160,30 @@ def testbench(
         "work": "\n".join(
             f"      {phase}: work = {clocks};" for phase, clocks in enumerate(timing.work) if clocks
         ),
-        "lost_part": words_per_column(design) if stream else 0,
-        "lost_bit": (STATUS_LOST.bit_length() - 1) + (0 if stream else outputs[0].bits),
         "drops": int(design.drops_results),
         "claim": timing.dropping.claim if timing.dropping else 0,
         "refill": timing.dropping.refill if timing.dropping else timing.handover_spacing,
+        "counter_max": COUNTER_MAX,
+    }
+
+
+def _port_texts(design: Design) -> dict[str, object]:
+    """The Verilog that depends on the ports, and where they lie in the packed words."""
+    inputs, outputs = sample_ports(design), result_ports(design)
+    counters = counter_ports(design)
+    stream = design.hardware.handover == "stream"
+    return {
+        "lost_part": words_per_column(design) if stream else 0,
+        "lost_bit": (STATUS_LOST.bit_length() - 1) + (0 if stream else outputs[0].bits),
         "counters": "\n".join(f"  wire [{port.bits - 1}:0] {port.name};" for port in counters),
         "counter_connections": "\n".join(f"    .{port.name}({port.name})," for port in counters),
         "counter_checks": "\n".join(_counter_checks(counters)),
-        "counter_max": COUNTER_MAX,
-        "timeout": 1000
-        + 2 * timing.startup
-        + slowest_sample * len(samples)
-        + slowest_result * results,
         "sample_bits": sum(port.bits for port in inputs),
         "result_bits": sum(port.bits for port in outputs),
         "declarations": "\n".join(_declarations(outputs)),
         "connections": ",\n".join(_connections(inputs, outputs)),
         "checks": "\n".join(_checks(outputs)),
         "expected": _STREAM_LINE if stream else _PARALLEL_LINE,
-    }
-    return {
-        f"{design.name}_tb.v": _fill("testbench.v.in", numbers),
-        f"{design.name}_samples.hex": packed_hex(samples.tolist(), inputs),
-        f"{design.name}_expected.hex": packed_hex(expected, outputs),
-        "README.md": _fill("testbench.md.in", numbers),
     }
 
 

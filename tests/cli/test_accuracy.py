@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from decimal import Decimal
 from math import pi, radians
 from pathlib import Path
 
@@ -19,18 +20,34 @@ def text() -> str:
     return accuracy.document()
 
 
-def _split(text: str) -> tuple[list[str], list[float]]:
+def _split(text: str) -> tuple[list[str], list[Decimal]]:
     """Words without white space, and numbers, of a text."""
-    numbers = [float(n.replace("\N{MINUS SIGN}", "-")) for n in NUMBER.findall(text)]
+    numbers = [Decimal(n.replace("\N{MINUS SIGN}", "-")) for n in NUMBER.findall(text)]
     return NUMBER.sub("#", text).split(), numbers
 
 
+def _one_digit_apart(one: Decimal, other: Decimal) -> bool:
+    """Whether two numbers differ by one unit of the last digit shown, of three at least."""
+    places = [max(n.as_tuple().exponent, n.adjusted() - 2) for n in (one, other)]
+    return abs(one - other) <= Decimal(10) ** max(places)
+
+
 def test_the_document_is_up_to_date(text: str) -> None:
-    """Words are the same; figures too, but for the last digit another machine may round."""
+    """Words are the same; figures too, but for a last digit that another machine may round."""
     words, numbers = _split((DOCS / "explanation" / "accuracy.md").read_text(encoding="utf-8"))
     new_words, new_numbers = _split(text)
     assert "".join(words) == "".join(new_words), "run: make accuracy"
-    assert numbers == pytest.approx(new_numbers, rel=0.12), "run: make accuracy"
+    other = [pair for pair in zip(numbers, new_numbers, strict=True) if pair[0] != pair[1]]
+    assert [pair for pair in other if not _one_digit_apart(*pair)] == [], "run: make accuracy"
+    assert len(other) <= len(numbers) / 50, "run: make accuracy"
+
+
+def test_what_counts_as_one_digit() -> None:
+    near = ("0.044 0.045", "1300 1290", "1.5e-6 1.4e-6", "-5.16 -5.15", "1.0e-6 9.9e-7")
+    far = ("0.044 0.046", "1300 1280", "1.5e-6 1.3e-6", "-5.16 5.16", "61 63", "4 40")
+    for pairs, expected in ((near, True), (far, False)):
+        for pair in pairs:
+            assert _one_digit_apart(*map(Decimal, pair.split())) is expected, pair
 
 
 def test_its_pictures_are_there(text: str) -> None:
@@ -76,4 +93,4 @@ def test_papers_figures_are_met(text: str) -> None:
         ("2 samples, closed form", 1.07e-2, 0.01),
     ):
         (_, numbers) = _split(rows[row])
-        assert numbers[0] == pytest.approx(expected, rel=rel), row
+        assert float(numbers[0]) == pytest.approx(expected, rel=rel), row

@@ -20,7 +20,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("demo") / "out"
 
 
-def test_demo(run: Run, folder: Path) -> None:
+def test_demo(run: Run, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("CXX", raising=False)  # compiled as a user's would be
     outcome = run("demo", "-o", folder, "--seconds", SECONDS, "--json")
     assert (outcome.status, outcome.err) == (0, "")
     said = json.loads(outcome.out)

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler.commands.options.navigation import read_gravity_table, sensor_noise
+from sculler.commands.options.navigation import sensor_noise
+from sculler.formats.gravity import read_gravity_table
 from sculler.formats.log import LogWriter
 from sculler_model.design import Design
 from sculler_model.frames import gravity
@@ -159,7 +160,16 @@ def test_noise_is_for_the_alignment(refused: Refused, tmp_path: Path, resting: P
     words = ("navigate", "stim300", resting, "-o", tmp_path / "nav.csv", "--no-plots", *PLACE)
     assert "--gyro-noise is for --align" in refused(*words, "--gyro-noise", 0.1)
     assert ">= 0" in refused(*words, "--align", 20, "--accel-noise", -1)
-    assert sensor_noise(60.0, 60.0, 3600.0, 0.5).angle_random_walk == radians(1.0)
+    known = sensor_noise(
+        {
+            "gyro_noise": 60.0,
+            "accel_noise": 60.0,
+            "gyro_bias_sigma": 3600.0,
+            "accel_bias_sigma": 0.5,
+        }
+    )
+    assert known.angle_random_walk == known.gyro_bias == radians(1.0)
+    assert (known.velocity_random_walk, known.accel_bias) == (1.0, 0.5)
 
 
 def test_a_wrong_scale_is_told_at_the_start(run: Run, tmp_path: Path, log: Path) -> None:

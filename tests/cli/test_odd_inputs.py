@@ -113,7 +113,7 @@ def test_taps_of_300_digits_are_refused_in_a_moment(
 ) -> None:
     design = tmp_path / "wide.toml"
     design.write_text(table(300))
-    began = time.monotonic()
+    began = time.process_time()
     for words in (
         ("generate", design, "-o", tmp_path / "c"),
         ("model", design, log, "-o", "o.csv"),
@@ -121,7 +121,7 @@ def test_taps_of_300_digits_are_refused_in_a_moment(
         line = refused(*words)
         assert "algorithm.table: coning_within would have 1,0" in line
         assert f"{MAX_BITS} that a core can have" in line
-    assert time.monotonic() - began < 5
+    assert time.process_time() - began < 5
 
 
 def test_the_limit_on_widths(tmp_path: Path, run: Run, refused: Refused) -> None:
@@ -158,7 +158,7 @@ def test_devices_without_end(
         design.read_text().replace("frequency-taylor", "tuned").replace("history = 1", "")
         + f'filter = {{ kind = "measured", file = "{ZERO}" }}\ndenominator_bits = 12\n'
     )
-    began = time.monotonic()
+    began = time.process_time()
     for words in (
         ("model", ZERO, log, "-o", out),
         ("model", tuned, log, "-o", out),
@@ -175,7 +175,7 @@ def test_devices_without_end(
     ):
         line = refused(*words)
         assert f"{ZERO}: " in line
-    assert time.monotonic() - began < 20
+    assert time.process_time() - began < 20
 
 
 def test_folders(tmp_path: Path, refused: Refused, design: Path, log: Path, vectors: Path) -> None:

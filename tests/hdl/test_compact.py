@@ -18,11 +18,11 @@ from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.targets import TARGETS
 from sculler_model.design import Design
 from sculler_model.golden import CycleModel, Ports, words_per_result
-from strategies import DESIGNS, samples_of
+from strategies import DESIGNS, samples_of, with_hardware
 
 
 def compact(design, **hardware):
-    return Design.parse({**design.as_json(), "hardware": {"core": "compact", **hardware}})
+    return with_hardware(design, core="compact", **hardware)
 
 
 class Watched:

@@ -21,17 +21,16 @@ from sculler_hdl.plan.compact.interpreter import Interpreter
 from sculler_hdl.plan.compact.pipeline import Pipeline
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.plan.compact.scheduling import schedule
-from sculler_hdl.plan.history import short_majors
 from sculler_model.design import Design, Interval
 from sculler_model.golden import GoldenModel, to_words
-from strategies import DESIGNS, designs, random_counts
+from strategies import DESIGNS, designs, random_counts, with_hardware
 
 ALL = DESIGNS | HIGH_RESOLUTION
 EACH = pytest.mark.parametrize("design", ALL.values(), ids=ALL)
 
 
 def compact(design, **hardware):
-    return Design.parse({**design.as_json(), "hardware": {"core": "compact", **hardware}})
+    return with_hardware(design, core="compact", **hardware)
 
 
 def runs_as_the_golden_model(design, samples, seed):
@@ -121,7 +120,7 @@ def brute_short_majors(design):
 
 @EACH
 def test_short_history_is_that_of_the_first_major_intervals(design):
-    short = short_majors(design)
+    short = design.short_majors
     statuses = brute_short_majors(design)
     assert statuses == [1] * short + [0] * (len(statuses) - short)
 

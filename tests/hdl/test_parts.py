@@ -201,7 +201,7 @@ def test_product_of_every_pair_of_small_words():
     left, right = Interval.signed(5), Interval.signed(4)
     pairs = list(itertools.product(range(left.lo, left.hi + 1), range(right.lo, right.hi + 1)))
     product = MultiplierPlan(TARGETS["generic"], left, right, at_once(5), at_once(4))
-    assert (product.blocks, product.rows) == (1, 0)
+    assert (product.block_count, product.rows) == (1, 0)
     lefts, rights = zip(*pairs, strict=True)
     assert products_seen(product, lefts, rights) == [a * b for a, b in pairs]
 
@@ -226,7 +226,7 @@ def test_product_of_wide_words(target, bits, tiles, rows):
     product = MultiplierPlan(
         TARGETS[target], left, right, skewed(bits[0], limb, 1), skewed(bits[1], limb)
     )
-    assert (product.blocks, product.rows) == (tiles, rows)
+    assert (product.block_count, product.rows) == (tiles, rows)
     rng = random.Random(1)
     lefts, rights = extremes(left, rng, 80), extremes(right, rng, 80)
     assert products_seen(product, lefts, rights) == [
@@ -321,6 +321,8 @@ ROWS = {
     "compressed": {3: [(1, 214), (2, 92), (3, 54)]},
     "weights": {3: [(0, 1), (1, 1), (2, 1), (3, 1)]},
     "dense": {1: [(1, 57)], 2: [(1, 57), (2, 33)]},
+    # sums that look alike, of samples that are taken up in different phases
+    "alike": {0: [(1, 3)], 2: [(2, 3)]},
     "mixed signs": {0: [(1, -5), (2, 7)], 1: [(1, 5), (3, -7)], 2: [(2, -1)], 3: []},
 }
 

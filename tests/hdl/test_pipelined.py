@@ -13,15 +13,10 @@ from sculler_hdl.pipelined.core import PipelinedCore
 from sculler_hdl.plan.cross_array import FOLDINGS
 from sculler_hdl.plan.pipelined import LATENCY_GOAL, POSITION_LATENCY_GOAL, plan_pipelined
 from sculler_hdl.plan.schedule import launch_gap
-from sculler_model.design import AXES, Design
+from sculler_model.design import AXES
 from sculler_model.errors import InputError
 from sculler_model.golden import CycleModel, Ports, clocks_per_major, result_ports
-from strategies import DESIGNS, make_design, samples_of
-
-
-def with_hardware(design, **hardware):
-    data = design.as_json()
-    return Design.parse({**data, "hardware": {**data["hardware"], **hardware}})
+from strategies import DESIGNS, make_design, samples_of, with_hardware
 
 
 def test_foldings_do_all_products():
@@ -58,9 +53,9 @@ def test_plan(name, multipliers, spacing, within, between, tiles):
     assert made.timing.spacing == spacing
     assert made.configuration.within.steps == within
     assert (made.configuration.between and made.configuration.between.steps) == between
-    assert made.tiles == tiles
+    assert made.block_count == tiles
     assert made.units == 18 // within + (18 // between if between else 0)
-    assert multipliers is None or made.tiles <= multipliers
+    assert multipliers is None or made.block_count <= multipliers
 
 
 def test_too_few_multipliers_are_refused_with_one_line():
@@ -112,10 +107,9 @@ def test_latency_by_hand():
 )
 def test_plan_with_high_resolution_position(multipliers, spacing, position, tiles):
     design = HIGH_RESOLUTION["stim300_hr"]
-    made = plan_pipelined(
-        with_hardware(design, core="pipelined", target="ecp5", multipliers=multipliers)
-    )
-    found = (made.timing.spacing, made.configuration.position.steps, made.tiles)
+    hardware = {"core": "pipelined", "handover": "stream", "target": "ecp5"}
+    made = plan_pipelined(with_hardware(design, **hardware, multipliers=multipliers))
+    found = (made.timing.spacing, made.configuration.position.steps, made.block_count)
     assert found == (spacing, position, tiles)
     assert multipliers < 8 or made.timing.latency <= POSITION_LATENCY_GOAL
 
@@ -135,7 +129,7 @@ def test_room_for_a_second_result_buys_time_for_additions():
 @pytest.mark.parametrize("name", ["stim300_4x5", "dense_time_3", "taylor_3p3", "wide_5p0"])
 def test_every_block_is_named_once_where_it_stands(name):
     generated = generate(with_hardware(DESIGNS[name], target="ecp5"))
-    groups = generated.manifest.blocks
+    groups = generated.manifest.block_groups
     instances = re.findall(r"MULT18X18D #\(.*?\) \\(\S+)", generated.verilog, re.DOTALL)
     assert sorted(f"{block}.block" for group in groups for block in group) == sorted(instances)
     assert len(instances) == generated.manifest.resources["multipliers"]
@@ -146,7 +140,7 @@ def test_every_block_is_named_once_where_it_stands(name):
 def test_blocks_of_a_long_array_are_grouped_by_total():
     """32 bits: A x r and B x s, then what the between array has, then A x s."""
     design = with_hardware(DESIGNS["wide_5p0"], target="ecp5")
-    groups = generate(design).manifest.blocks
+    groups = generate(design).manifest.block_groups
     found = [{re.match(r"(\w+\.unit\d)_", block)[1] for block in group} for group in groups]
     assert found == [
         {"within.unit1", "within.unit2"},
@@ -167,9 +161,9 @@ VARIANTS = [
     ("rate_1p0", {"target": "ecp5"}),
     ("smallest", {}),
     ("smallest", {"multipliers": 1, "handover": "stream"}),
-    ("smallest_hr", {}),
+    ("smallest_hr", {"handover": "stream"}),
     ("smallest_hr", {"multipliers": 2, "handover": "stream"}),
-    ("taylor_2p1_hr", {"multipliers": 20, "target": "ecp5"}),
+    ("taylor_2p1_hr", {"multipliers": 20, "target": "ecp5", "handover": "stream"}),
     ("sparse", {"target": "ecp5"}),
 ]
 

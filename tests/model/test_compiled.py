@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import subprocess
 import sys
 from dataclasses import replace
 from math import radians
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -90,6 +93,17 @@ def test_long_runs_are_compiled_by_themselves(monkeypatch: pytest.MonkeyPatch) -
     for expected in (0, 0, 1, 2):
         navigator.run(nothing)
         assert len(asked) == expected
+
+
+def test_what_is_kept_knows_the_text_of_what_was_compiled() -> None:
+    """Numba cannot read what it kept of types that are gone, and knows no file but the caller's."""
+    pytest.importorskip("numba")
+    modules = ("frames/earth", "navigation/gravity", "frames/rotation", "navigation/wander")
+    room = Path(module.__file__).parents[1]
+    text = "".join((room / f"{name}.py").read_text() for name in modules)
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    compiled: Any = compiled_run()
+    assert compiled.py_func.__qualname__ == f"loop_{digest[:16]}"
 
 
 def test_numba_is_not_needed() -> None:

@@ -391,7 +391,7 @@ def test_a_sample_is_not_even_looked_at_while_reset_is_high() -> None:
 
 def test_major_wraps_at_64_bits() -> None:
     model = CycleModel(DESIGNS["smallest"], Timing(1))
-    model._golden.major = 2**64 - 1
+    model.golden.major = 2**64 - 1
     majors = []
     for _ in range(6):
         shown = model.clock(ZERO, 1)
@@ -402,7 +402,7 @@ def test_major_wraps_at_64_bits() -> None:
 def test_a_streams_major_wraps_at_its_columns_width() -> None:
     design = with_hardware(DESIGNS["smallest"], handover="stream")
     model = CycleModel(design, Timing(1))
-    model._golden.major = 2**32 - 1
+    model.golden.major = 2**32 - 1
     words = []
     while len(words) < 3 * 40:
         shown = model.clock(ZERO, 1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,15 +12,6 @@ from sculler_model.design import AXES, COMPONENTS, VECTORS, Design
 from sculler_model.errors import InputError
 from sculler_sim.engines import cache, verilator_build
 from strategies import DESIGNS
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _quick_compiler() -> Iterator[None]:
-    """No optimisation of models that run for a moment; the command line's tests build with it."""
-    with pytest.MonkeyPatch.context() as patch:
-        flags = [flag for flag in verilator_build._CORE_FLAGS if not flag.startswith("-O")]
-        patch.setattr(verilator_build, "_CORE_FLAGS", [*flags, "-O0"])
-        yield
 
 
 @pytest.fixture(scope="session")

@@ -14,6 +14,7 @@ from rtl import (
 )
 from sculler_hdl import timing
 from strategies import DESIGNS, with_hardware
+from tiers import tiers
 
 pytestmark = pytest.mark.usefixtures("verilator")
 
@@ -22,8 +23,10 @@ SERIAL = {
     f"{name}-serial": with_hardware(DESIGNS[name], core="compact", multipliers=0)
     for name in ("stim300_4x5", "dense_odd_3", "smallest", "wide_5p0")
 }
-EACH_DESIGN = pytest.mark.parametrize("design", COMPACT.values(), ids=COMPACT.keys())
-EACH_SERIAL = pytest.mark.parametrize("design", SERIAL.values(), ids=SERIAL.keys())
+EACH_DESIGN = pytest.mark.parametrize("design", tiers(COMPACT, also=["stim300_4x5"]))
+EACH_SERIAL = pytest.mark.parametrize(
+    "design", tiers(SERIAL, only=["dense_odd_3-serial", "smallest-serial"])
+)
 
 
 @EACH_DESIGN

@@ -11,57 +11,21 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from bench_files import bench_of, run_bench, shell
-from position_designs import HIGH_RESOLUTION
+from bench_files import bench_of, shell
+from dropping_designs import DROPPING, FEW_DROPPING
 from rtl import clocks_of_major, golden
 from sculler.formats.vectors import VectorsWriter, read_vectors
 from sculler_hdl import timing
 from sculler_model.golden import words_per_result
 from sculler_sim.engine import simulate, trace
 from sculler_sim.stimulus import Levels, Stimulus
-from strategies import DESIGNS, samples_of, with_hardware
+from strategies import samples_of
+from tiers import tiers
 
 pytestmark = pytest.mark.usefixtures("verilator")
 
-FORMS = {
-    "pipelined": {},
-    "streaming": {"handover": "stream"},
-    "ecp5": {"target": "ecp5"},
-    "shared-streaming-ice40": {"multipliers": 12, "handover": "stream", "target": "ice40"},
-    "compact": {"core": "compact"},
-    "compact-ice40": {"core": "compact", "target": "ice40"},
-    "compact-ecp5": {"core": "compact", "target": "ecp5"},
-}
-SHAPES = {
-    "stim300_4x5": FORMS,
-    "smallest": FORMS,
-    "wide_5p0": ["streaming", "shared-streaming-ice40"],
-    "dense_odd_3": ["ecp5", "compact-ice40"],
-    "smallest_hr": ["streaming", "compact"],
-    "taylor_2p1_hr": ["ecp5", "compact-ecp5"],
-}
-DROPPING = {
-    f"{name}-{form}": with_hardware(
-        {**DESIGNS, **HIGH_RESOLUTION}[name], overrun="drop-result", **FORMS[form]
-    )
-    for name, forms in SHAPES.items()
-    for form in forms
-}
-DROPPING["smallest-serial"] = with_hardware(
-    DESIGNS["smallest"], core="compact", multipliers=0, overrun="drop-result"
-)
-EACH = pytest.mark.parametrize("design", DROPPING.values(), ids=DROPPING)
-FEW = {
-    name: DROPPING[name]
-    for name in (
-        "stim300_4x5-ecp5",
-        "smallest-pipelined",
-        "wide_5p0-streaming",
-        "dense_odd_3-compact-ice40",
-        "smallest-compact",
-    )
-}
-EACH_OF_FEW = pytest.mark.parametrize("design", FEW.values(), ids=FEW)
+EACH = pytest.mark.parametrize("design", tiers(DROPPING))
+EACH_OF_FEW = pytest.mark.parametrize("design", FEW_DROPPING.values(), ids=FEW_DROPPING)
 
 
 def clocks_of_result(design):
@@ -186,12 +150,6 @@ def test_a_host_that_is_quick_enough_misses_nothing(design):
     run = simulate(design, [(counts, faults)], stimulus=Paced())
     rows = [row for block in run for row in block.rows()]
     assert rows == list(golden(design, counts, faults).rows())
-
-
-@EACH_OF_FEW
-def test_the_bench_passes(icarus, design, tmp_path):
-    """Its contract is the cycle model's, written once more in Verilog; and some are dropped."""
-    run_bench(design, tmp_path, ((1, 50), (2, 100)))
 
 
 @pytest.mark.parametrize("name", ["smallest-pipelined", "smallest-streaming", "smallest-compact"])

@@ -21,6 +21,7 @@ from rtl import (
 from sculler_sim.engine import simulate
 from sculler_sim.stimulus import Stimulus
 from strategies import TARGETS, with_hardware
+from tiers import tiers
 
 pytestmark = pytest.mark.usefixtures("verilator")
 
@@ -38,7 +39,7 @@ FORMS = {name: HIGH_RESOLUTION[name] for name in SIMULATED} | {
     f"{name}-pipelined": with_hardware(HIGH_RESOLUTION[name], core="pipelined", **hardware)
     for name, hardware in PIPELINED.items()
 }
-EACH = pytest.mark.parametrize("design", FORMS.values(), ids=FORMS)
+EACH = pytest.mark.parametrize("design", tiers(FORMS))
 
 
 def check_rows(design, counts, stimulus):

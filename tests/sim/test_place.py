@@ -90,7 +90,7 @@ def test_blocks_stand_where_the_plan_says(tools):
     design = small("planned", target="ecp5")
     generated = generate(design)
     made = synthesise(generated, "ecp5")
-    groups = generated.manifest.blocks
+    groups = generated.manifest.block_groups
     cells = json.loads(fix_blocks(made.placed, made.top, groups, ECP5))["modules"][made.top][
         "cells"
     ]
@@ -481,7 +481,12 @@ def test_the_same_again_comes_from_the_cache(runs, monkeypatch):
 def test_an_area_estimate_for_xilinx(tools, product, monkeypatch, tmp_path):
     """One multiplication of 16 x 16 bits whose registers all fit into its block."""
     monkeypatch.setenv("SCULLER_CACHE", str(tmp_path))
-    clocks = {"latency_clocks": 3, "clocks_per_minor": 1, "clocks_per_major": 1, "blocks": None}
+    clocks = {
+        "latency_clocks": 3,
+        "clocks_per_minor": 1,
+        "clocks_per_major": 1,
+        "block_groups": None,
+    }
     made = replace(product, manifest=replace(product.manifest, **clocks))
     monkeypatch.setattr(placement, "generate", lambda _: made)
     found = place(small("product"), DEVICES["xc7"])

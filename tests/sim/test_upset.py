@@ -15,6 +15,7 @@ from sculler_hdl import sample_ports, timing
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_sim.engines.verilator_build import emitted
 from strategies import DESIGNS, make_design, with_hardware
+from tiers import tiers
 
 pytestmark = pytest.mark.usefixtures("icarus")
 
@@ -72,7 +73,7 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize("design", SHAPES.values(), ids=SHAPES)
+@pytest.mark.parametrize("design", tiers(SHAPES))
 def test_a_reset_undoes_an_upset_of_every_word(design, tmp_path):
     """The bench passes though every memory is filled with random bits in each of its resets.
 
@@ -215,7 +216,7 @@ def unknown(text):
     return re.sub(r"^  initial begin\n.*?^  end\n", memory, text, flags=re.M | re.S)
 
 
-@pytest.mark.parametrize("design", CORES.values(), ids=CORES)
+@pytest.mark.parametrize("design", tiers(CORES))
 def test_one_clock_of_reset_leaves_no_x(design, tmp_path):
     """Every register and memory is X at first; one clock of reset, then random samples.
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.terminal import plural
+from sculler.words import plural
 from sculler_model.design import Design
 from sculler_model.host import MajorIncrements
 

@@ -188,7 +188,7 @@ def _sizes(errors: NavErrors) -> tuple[Array, Array, Array]:
     """Sizes of the attitude (arcsec), velocity (m/s) and position (m) errors, (N,) each."""
     import numpy as np
 
-    from sculler.runs.against_truth import ARCSEC
+    from sculler.units import ARCSEC
 
     attitude, velocity, position = (
         np.linalg.norm(table, axis=1)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.terminal import three_digits
+from sculler.words import three_digits
 from sculler_model.errors import InputError
 from sculler_model.frames import SEMI_MAJOR_AXIS, radii
 from sculler_model.navigation import NavHistory

@@ -20,8 +20,8 @@ from sculler.plots.pictures import (
     legend,
     new_figure,
 )
-from sculler.runs.against_truth import MILES_PER_HOUR, NAMES, UNITS
-from sculler.terminal import three_digits
+from sculler.units import MILES_PER_HOUR, NAMES, UNITS
+from sculler.words import three_digits
 from sculler_model.navigation import NAUTICAL_MILE, NavErrors, NavHistory, known_quantities
 
 if TYPE_CHECKING:

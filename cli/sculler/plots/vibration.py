@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from sculler.plots.analysis import COLOURS
 from sculler.plots.pictures import BLUE, GREEN, GREY, VERMILION, new_figure
-from sculler.terminal import three_digits
+from sculler.words import three_digits
 from sculler_model.analysis.vibration import (
     G,
     MountResponse,

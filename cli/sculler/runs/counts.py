@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sculler.checks.breaks import Break, BreakFinder, Policy
 from sculler.formats.log import read_log
 from sculler.formats.vectors import VectorsWriter
-from sculler.terminal import Advance, plural
+from sculler.words import Advance, plural
 from sculler_model.design import (
     STATUS_FAULT,
     STATUS_LOST,

@@ -8,7 +8,6 @@ from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.delay import ControlDelay
 from sculler_hdl.plan.compact.plan import CompactPlan
-from sculler_hdl.plan.history import short_majors
 
 CONDITIONS = data.StructLayout(
     {
@@ -72,7 +71,7 @@ class Control(wiring.Component):
         n, minors = design.algorithm.samples, design.algorithm.minors
         phase = Signal(range(n))
         minor = Signal(range(minors))
-        short = short_majors(design)
+        short = design.short_majors
         major = Signal(range(max(short, 1) + 1))  # stays at its largest
         awaited = Signal()  # a major interval has ended and its result is not yet taken whole
         fault, lost, rail = Signal(), Signal(), Signal()

@@ -40,7 +40,7 @@ class CompactCore(wiring.Component):
         plan: what it is built of.
         timing: the clocks it takes.
         resources: the plan's figures, for the manifest.
-        blocks: None, it does not matter where its one multiplier block stands.
+        block_groups: None, it does not matter where its one multiplier block stands.
         listing: its schedule as text.
     """
 
@@ -50,7 +50,7 @@ class CompactCore(wiring.Component):
         self.plan = plan_compact(design)
         self.timing = self.plan.timing
         self.resources = self.plan.resources
-        self.blocks = None
+        self.block_groups = None
         self.listing = self.plan.listing
         super().__init__(core_members(design))
 

@@ -31,8 +31,8 @@ class Manifest:
         latency_clocks: from an interval's last sample to `result_valid`.
         clocks_per_minor, clocks_per_major: in the long run, at the fastest.
         resources: figures of what it takes, by name.
-        blocks: names of the multiplier blocks in groups, those next to each other whose products
-            are added first; None where it does not matter, as with the compact core.
+        block_groups: names of the multiplier blocks, those next to each other whose products are
+            added first; None where it does not matter, as with the compact core.
         verilog_sha256: of the Verilog text.
     """
 
@@ -43,7 +43,7 @@ class Manifest:
     clocks_per_minor: int
     clocks_per_major: int
     resources: Mapping[str, int]
-    blocks: tuple[tuple[str, ...], ...] | None
+    block_groups: tuple[tuple[str, ...], ...] | None
     verilog_sha256: str
 
     @property
@@ -60,8 +60,8 @@ class Manifest:
         """
         design = self.design
         resources: dict[str, Any] = dict(self.resources)
-        if self.blocks is not None:
-            resources["blocks"] = [list(group) for group in self.blocks]
+        if self.block_groups is not None:
+            resources["blocks"] = [list(group) for group in self.block_groups]
         return {
             "name": self.name,
             "design": design.as_json(),
@@ -104,7 +104,7 @@ def make_manifest(core: Core, verilog_sha256: str) -> Manifest:
         clocks_per_minor(design, timing),
         clocks_per_major(design, timing),
         MappingProxyType(dict(core.resources)),
-        core.blocks,
+        core.block_groups,
         verilog_sha256,
     )
 

@@ -109,7 +109,7 @@ def _emit_rows(
         (right, left, plan.left_split.residue, plan.right_split.residue),
     ):
         for bit in range(residue):
-            number = plan.blocks + len(values)
+            number = plan.block_count + len(values)
             row: list[Value] = []
             for first, end, clock in spans(plan.addends[number].arrival, low):
                 gate = word.slice_at(bit, bit + 1, clock - 1)

@@ -52,7 +52,7 @@ class PipelinedCore(wiring.Component):
         plan: what it is built of.
         timing: clocks it takes.
         resources: the plan's figures, for the manifest.
-        blocks: names of its multiplier blocks in groups (`Schedule.blocks`).
+        block_groups: names of its multiplier blocks in groups (`Schedule.block_groups`).
         listing: None, there is no schedule to read.
 
     Raises:
@@ -70,7 +70,7 @@ class PipelinedCore(wiring.Component):
         stream = design.hardware.handover == "stream"
         self.handover: HandOver | StreamHandOver = (StreamHandOver if stream else HandOver)(made)
         self.resources = self.plan.resources
-        self.blocks = tuple(map(tuple, self.schedule.blocks))
+        self.block_groups = tuple(map(tuple, self.schedule.block_groups))
         self.listing = None
         super().__init__(core_members(design))
 

@@ -14,7 +14,7 @@ from sculler_hdl.lib.adder_tree import emit_adder_tree, emit_dot_product
 from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
 from sculler_hdl.lib.hold import emit_gated, emit_previous
 from sculler_hdl.plan.accumulator import AccumulatorPlan
-from sculler_hdl.plan.position import LookaheadPlan
+from sculler_hdl.plan.position import GATED, LookaheadPlan
 
 
 class LookaheadAxis(wiring.Component):
@@ -80,11 +80,9 @@ class LookaheadAxis(wiring.Component):
         values["start"] = start
         values["sum"] = accumulate("sum", plan.sum, self.sample).before
         used = {*plan.side.ahead, *plan.side.factor}
-        for name in ("sample", "sum", "product"):
-            if f"{name}_last" in used:
-                values[f"{name}_last"] = emit_gated(last, word(name))
-            if f"{name}_not_last" in used:
-                values[f"{name}_not_last"] = emit_gated(last, word(name), level=0)
+        for name, gated in GATED.items():
+            if name in used:
+                values[name] = emit_gated(last, word(gated.word), level=int(gated.last))
 
         item = emit_dot_product(m, "trend_item", plan.trend_item, values)
         values["trend"] = accumulate("trend", plan.trend, item).before

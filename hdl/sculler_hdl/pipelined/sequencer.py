@@ -5,7 +5,6 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.layout import is_one_of
-from sculler_hdl.plan.history import short_samples
 from sculler_model.design import Design
 
 
@@ -104,14 +103,7 @@ class Sequencer(wiring.Component):
             with m.Elif(wait != 0):
                 m.d.sync += [wait.eq(wait - 1), self.sample_ready.eq(0)]
 
-        short = short_samples(self.design)
-        if any(short):
-            age = Signal(range(len(short) + 1))
-            with m.If(accept & (age != len(short))):
-                m.d.sync += age.eq(age + 1)
-            is_short = is_one_of(age, [t for t, value in enumerate(short) if value])
-            m.d.sync += self.short.eq(is_short)
-
+        self._find_short(m, accept)
         m.d.comb += [
             self.taken.eq(accept),
             self.launch.eq(accept & launch),
@@ -125,6 +117,17 @@ class Sequencer(wiring.Component):
             self.lost.eq(self.sample_lost),
         ]
         return m
+
+    def _find_short(self, m: Module, accept: Value) -> None:
+        """Whether a sample reaches back before the first one: its number after reset says so."""
+        short = self.design.short_samples
+        if not any(short):
+            return
+        age = Signal(range(len(short) + 1))
+        with m.If(accept & (age != len(short))):
+            m.d.sync += age.eq(age + 1)
+        is_short = is_one_of(age, [t for t, value in enumerate(short) if value])
+        m.d.sync += self.short.eq(is_short)
 
     def _wait_for_room(
         self, m: Module, accept: Value, ends_major: Value, then_ends_major: Value, always: bool

@@ -108,7 +108,7 @@ class CrossArrayPlan:
         held: clocks that holding the operands takes: 1, or 0 where units do not take turns.
         seen: the operands as the units see them, at the first step.
         multipliers: of each pair.
-        tiles: multiplier blocks in all.
+        block_count: multiplier blocks in all.
         sums: what a step adds up for each total.
         accumulators: of each total.
         results: for each total and axis, the component on the port and when its bits are there,
@@ -157,7 +157,9 @@ class CrossArrayPlan:
             )
             for a, b in self.pairs
         ]
-        self.tiles = sum(one.blocks for one in self.multipliers) * self.sides * self.lanes
+        self.block_count = (
+            sum(one.block_count for one in self.multipliers) * self.sides * self.lanes
+        )
 
         self.sums: dict[str, AdderTreePlan] = {}
         self.accumulators: dict[str, AccumulatorPlan] = {}
@@ -194,14 +196,14 @@ class CrossArrayPlan:
     @property
     def copied(self) -> bool:
         """Whether the operands are held once for each pair: the array is long."""
-        return self.tiles > NEAR and self.folding.crosses == 1
+        return self.block_count > NEAR and self.folding.crosses == 1
 
     def unit_name(self, pair: int, lane: int, number: int) -> str:
         """The name of a unit's parts; `number` is its side, or 0 if sides take turns."""
         return f"unit{pair}_{AXES[lane]}{number}"
 
     @property
-    def blocks(self) -> list[list[str]]:
+    def block_groups(self) -> list[list[str]]:
         """The array's multiplier blocks, those next to each other whose products are added first.
 
         In one group, or one for each total in a long array whose axes take turns.  Names of
@@ -220,7 +222,7 @@ class CrossArrayPlan:
                 seen = {block for group in groups for block in group}  # totals may take turns
                 if not seen.issuperset(added_up):
                     groups.append([block for block in added_up if block not in seen])
-        if self.tiles > LONG and self.lanes == 1:
+        if self.block_count > LONG and self.lanes == 1:
             return groups
         return [[block for group in groups for block in group]]
 

@@ -117,7 +117,7 @@ class MultiplierPlan:
         return self._choice[2]
 
     @property
-    def blocks(self) -> int:
+    def block_count(self) -> int:
         """Multiplier blocks."""
         return len(self.piece_pairs)
 

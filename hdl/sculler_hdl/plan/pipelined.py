@@ -45,9 +45,9 @@ class PipelinedPlan:
         return self.schedule.configuration
 
     @property
-    def tiles(self) -> int:
+    def block_count(self) -> int:
         """Multiplier blocks."""
-        return self.schedule.tiles
+        return self.schedule.block_count
 
     @property
     def units(self) -> int:
@@ -59,7 +59,7 @@ class PipelinedPlan:
     @property
     def resources(self) -> dict[str, int]:
         """Figures for the manifest."""
-        return {"multipliers": self.tiles, "product_units": self.units}
+        return {"multipliers": self.block_count, "product_units": self.units}
 
 
 @lru_cache(maxsize=64)
@@ -80,14 +80,14 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
         for configuration in _configurations(design, spacing):
             if configuration not in made:
                 made[configuration] = Schedule(design, configuration)
-        found = [one for one in made.values() if budget is None or one.tiles <= budget]
+        found = [one for one in made.values() if budget is None or one.block_count <= budget]
         if found:
             best = min(
                 found,
                 key=lambda one: (
                     max(one.timing(spacing).latency, goal),
                     one.configuration.residue,
-                    one.tiles,
+                    one.block_count,
                     clocks_per_major(design, one.timing(spacing)),
                     one.timing(spacing).latency,
                 ),
@@ -99,7 +99,7 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
             taps = [adders._replace(tap_bits=bits) for bits in lengths]
             best = _slowest(design, spacing, best, taps)
             return PipelinedPlan(best, best.timing(spacing))
-    least = min(one.tiles for one in made.values())
+    least = min(one.block_count for one in made.values())
     raise InputError(
         f"hardware.multipliers: {budget} are not enough, the pipelined core of this design needs at"
         f' least {least}; give more, or core = "compact"'

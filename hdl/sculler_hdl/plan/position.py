@@ -42,10 +42,31 @@ from sculler_model.design import Interval, WordLengths
 DIVISOR = 6
 """Of all weights of scrolling."""
 
-# words NAME_last and NAME_not_last are 0 in the other samples
+
+class Gated(NamedTuple):
+    """A word that is shown in some samples only, a clock later; in the others it is 0.
+
+    Attributes:
+        word: its name.
+        last: whether in an interval's last sample, or in all but that.
+    """
+
+    word: str
+    last: bool
+
+
+GATED = {
+    "sample_last": Gated("sample", last=True),
+    "sample_not_last": Gated("sample", last=False),
+    "sum_last": Gated("sum", last=True),
+    "product_not_last": Gated("product", last=False),
+}
+"""By the names that they have in `Side`."""
+
 DOUBLY: Weights = {"sum": 12, "sample": 5, "before": 1}
 """What s_alpha and s_nu grow by."""
 FIRST: Weights = {"before_first": 3}
+"""What s' is multiplied by r' with, in an interval's first sample."""
 
 
 class Side(NamedTuple):
@@ -96,6 +117,11 @@ class LookaheadPlan:
     Attributes:
         arrival: clocks from a sample's step at which the bits of s_alpha or s_nu are there.
         factor: C or D, with the clocks at which its bits are there.
+        words: all words that are added, by the names of `Side`.
+        product, sum: P or Q; alpha or nu.
+        trend_item, trend: what T or U grows by, and T or U.
+        ahead, whole: the part of C or D with the factors 120 and 60, over 60; all of it.
+        doubly_item, doubly: what s_alpha or s_nu grows by, and s_alpha or s_nu.
     """
 
     def __init__(
@@ -125,10 +151,9 @@ class LookaheadPlan:
         before = counts.repeated(samples - 1)
         self.sum = AccumulatorPlan(counts, now, counts.repeated(samples), limb, before, gap=gap)
         words["sum"] = Addend(self.sum.before, self.sum.before_arrival)
-        for name in ("sample", "sum", "product"):
-            there = words[name]
-            gated = replace(there, arrival=later(there.arrival, 1))
-            words |= {f"{name}_last": gated, f"{name}_not_last": gated}
+        for name, gated in GATED.items():
+            there = words[gated.word]
+            words[name] = replace(there, arrival=later(there.arrival, 1))
 
         self.trend_item = DotProductPlan(side.trend, words, limb)
         item = self.trend_item.made
@@ -163,7 +188,7 @@ class PositionPlan:
         first: 3 s', which the array sees in an interval's first sample.
         array: the products.
         wholes: scrolling from scrolling/6, for each lane of the array.
-        tiles: multiplier blocks.
+        block_count: multiplier blocks.
         arrivals: for each vector, when the bits of its components are there.
         lanes: for each axis of scrolling, the component on the port.
     """
@@ -208,7 +233,7 @@ class PositionPlan:
             residue,
             SCROLLING,
         )
-        self.tiles = self.array.tiles
+        self.block_count = self.array.block_count
 
         (components,) = self.array.results.values()
         (total,) = self.array.totals.values()

@@ -142,7 +142,7 @@ class Schedule:
         launches: the clock at which each array takes its operands.
         sample_clock: at which the within array sees the sample itself.
         position: high-resolution position, if there is any; from `POSITION_CLOCK` on.
-        tiles: multiplier blocks.
+        block_count: multiplier blocks.
         longest: bits of the longest limbs together: of A and B, of theta to nu, of the products'
             sums.
         arrivals: for each vector of the result, when the bits of its components are there.
@@ -166,7 +166,7 @@ class Schedule:
         self.arrivals = self._arrivals()
 
         arrays = [*self.arrays.values(), *([self.position.array] if self.position else [])]
-        self.tiles = sum(array.tiles for array in arrays)
+        self.block_count = sum(array.block_count for array in arrays)
         minors = (*self.minors.values(), *self.integrals.values())
         self.longest = (
             max(part.limb.bits for part in self.taps.values())
@@ -265,10 +265,10 @@ class Schedule:
         return arrivals
 
     @property
-    def blocks(self) -> list[list[str]]:
-        """The arrays' multiplier blocks in groups (`CrossArrayPlan.blocks`), the longest first.
+    def block_groups(self) -> list[list[str]]:
+        """The arrays' multiplier blocks, by names of submodules of the core; longest group first.
 
-        Names of submodules of the core.
+        The groups are those of `CrossArrayPlan.block_groups`.
         """
         arrays = dict(self.arrays)
         if self.position is not None:
@@ -276,7 +276,7 @@ class Schedule:
         groups = [
             [f"{place}.{name}" for name in group]
             for place, array in arrays.items()
-            for group in array.blocks
+            for group in array.block_groups
         ]
         return sorted(groups, key=len, reverse=True)
 

@@ -17,7 +17,14 @@ from sculler_model.algorithms.catalogue import (
     make,
 )
 from sculler_model.algorithms.decimals import rational
-from sculler_model.algorithms.integer_vectors import ZERO, Vec, cross, plus, times, whole_numbers
+from sculler_model.algorithms.integer_vectors import (
+    ZERO,
+    Vec,
+    cross,
+    times,
+    vector_sum,
+    whole_numbers,
+)
 from sculler_model.algorithms.lattice import closest_integers
 from sculler_model.algorithms.least_squares import Band, Fit, RotaryMode, fit, round_taps
 from sculler_model.algorithms.pairs import (
@@ -92,7 +99,6 @@ __all__ = [
     "manoeuvre_error",
     "newton_cotes",
     "pair_coefficients",
-    "plus",
     "polynomial_fit",
     "rational",
     "round_taps",
@@ -104,5 +110,6 @@ __all__ = [
     "times",
     "uncompress",
     "uncompressed",
+    "vector_sum",
     "whole_numbers",
 ]

@@ -1,4 +1,8 @@
-"""Vectors of three exact integers."""
+"""Vectors of three exact integers.
+
+`cross` is here for integers, which never round or wrap, and in `frames` for floats and arrays: the
+same formula, so that each reads as on its page.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +36,7 @@ def cross(a: Vec, b: Vec) -> Vec:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def plus(*vectors: Vec) -> Vec:
+def vector_sum(*vectors: Vec) -> Vec:
     """Sum of vectors."""
     x, y, z = (sum(component) for component in zip(*vectors, strict=True))
     return (x, y, z)

@@ -18,7 +18,14 @@ from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
-from sculler_model.algorithms.integer_vectors import ZERO, Vec, cross, plus, times, whole_numbers
+from sculler_model.algorithms.integer_vectors import (
+    ZERO,
+    Vec,
+    cross,
+    times,
+    vector_sum,
+    whole_numbers,
+)
 from sculler_model.errors import InputError
 
 S_DENOMINATOR = 12
@@ -73,43 +80,43 @@ class HighResolution:
         """
         d_alpha, d_nu = whole_numbers("gyro", d_alpha), whole_numbers("accel", d_nu)
         alpha, nu, s_alpha, s_nu = self.alpha, self.nu, self.s_alpha, self.s_nu
-        slope_alpha = plus(d_alpha, times(-1, self.d_alpha))  # Δα - Δα'
-        slope_nu = plus(d_nu, times(-1, self.d_nu))
+        slope_alpha = vector_sum(d_alpha, times(-1, self.d_alpha))  # Δα - Δα'
+        slope_nu = vector_sum(d_nu, times(-1, self.d_nu))
         # ΔS - α' = (5 Δα + Δα')/12                                          Eq. 103, 104
-        part_alpha = plus(times(5, d_alpha), self.d_alpha)
-        part_nu = plus(times(5, d_nu), self.d_nu)
+        part_alpha = vector_sum(times(5, d_alpha), self.d_alpha)
+        part_nu = vector_sum(times(5, d_nu), self.d_nu)
 
         # δR_A = Δv_scul' + ½[α' - (Δα-Δα')/12] × (ΔS_υ - υ')
         #                 + ½[υ' - (Δυ-Δυ')/12] × (ΔS_α - α')                       Eq. 105
-        scrolling_a = plus(
+        scrolling_a = vector_sum(
             times(360, self.sculling),
-            times(15, cross(plus(times(12, alpha), times(-1, slope_alpha)), part_nu)),
-            times(15, cross(plus(times(12, nu), times(-1, slope_nu)), part_alpha)),
+            times(15, cross(vector_sum(times(12, alpha), times(-1, slope_alpha)), part_nu)),
+            times(15, cross(vector_sum(times(12, nu), times(-1, slope_nu)), part_alpha)),
         )
         # δR_B = 1/6 [S_υ' + (Δυ-Δυ')/24] × Δα - 1/6 [S_α' + (Δα-Δα')/24] × Δυ
         #      + 1/6 [α' - (Δα-Δα')/6] × [υ' - (Δυ-Δυ')/6] - 1/2160 (Δα-Δα') × (Δυ-Δυ')
-        scrolling_b = plus(
-            times(30, cross(plus(times(2, s_nu), slope_nu), d_alpha)),
-            times(-30, cross(plus(times(2, s_alpha), slope_alpha), d_nu)),
+        scrolling_b = vector_sum(
+            times(30, cross(vector_sum(times(2, s_nu), slope_nu), d_alpha)),
+            times(-30, cross(vector_sum(times(2, s_alpha), slope_alpha), d_nu)),
             times(
                 20,
                 cross(
-                    plus(times(6, alpha), times(-1, slope_alpha)),
-                    plus(times(6, nu), times(-1, slope_nu)),
+                    vector_sum(times(6, alpha), times(-1, slope_alpha)),
+                    vector_sum(times(6, nu), times(-1, slope_nu)),
                 ),
             ),
             times(-2, cross(slope_alpha, slope_nu)),
         )
-        self.scrolling = plus(self.scrolling, scrolling_a, scrolling_b)
+        self.scrolling = vector_sum(self.scrolling, scrolling_a, scrolling_b)
         # δv_scul = ½[(α' + Δα'/6) × Δυ + (υ' + Δυ'/6) × Δα]                            Eq. 61
-        self.sculling = plus(
+        self.sculling = vector_sum(
             self.sculling,
-            cross(plus(times(6, alpha), self.d_alpha), d_nu),
-            cross(plus(times(6, nu), self.d_nu), d_alpha),
+            cross(vector_sum(times(6, alpha), self.d_alpha), d_nu),
+            cross(vector_sum(times(6, nu), self.d_nu), d_alpha),
         )
-        self.s_alpha = plus(s_alpha, times(12, alpha), part_alpha)
-        self.s_nu = plus(s_nu, times(12, nu), part_nu)
-        self.alpha, self.nu = plus(alpha, d_alpha), plus(nu, d_nu)
+        self.s_alpha = vector_sum(s_alpha, times(12, alpha), part_alpha)
+        self.s_nu = vector_sum(s_nu, times(12, nu), part_nu)
+        self.alpha, self.nu = vector_sum(alpha, d_alpha), vector_sum(nu, d_nu)
         self.d_alpha, self.d_nu = d_alpha, d_nu
 
 

@@ -6,8 +6,9 @@ forms
     A = sum over d of tap[k][d] * s[t-d]          d = 1..reach
     theta = sum over d of weight[d] * s[t-d]      d = 0..n, at the minor interval's end
 
-and adds ``A x s[t]`` to the coning correction (DESIGN section 3).  The integers stand over the
-common denominators ``denominator`` (taps) and ``sum_denominator`` (weights), so nothing is rounded.
+and adds ``A x s[t]`` to the coning correction (docs/explanation/theory.md).  The integers stand
+over the common denominators ``denominator`` (taps) and ``sum_denominator`` (weights), so nothing is
+rounded.
 """
 
 from __future__ import annotations

@@ -29,8 +29,8 @@ def time_taylor(samples: int, history: int) -> TapTable:
     With p <= 1 this is `polynomial_fit` itself.  With p >= 2 the fit also names pairs that lie
     wholly in the previous interval, which no tap row can form at their own time; the pairs there
     are then match the terms g_a × g_b, b < n + p, in order of a + b instead
-    (docs/explanation/families.md Eq. 6): the order of the error in
-    manoeuvres and in coning stays that of the fit.
+    (docs/explanation/families.md Eq. 6): the order of the error in manoeuvres and in
+    coning stays that of the fit.
 
     Raises:
         InputError: n + p < 2 leaves no product; n + p > 12 with p >= 2.

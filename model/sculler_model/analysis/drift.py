@@ -27,8 +27,8 @@ def filtered_residual(
         Re(F_g F_a*) (σ Σ_d K_d sin dλ + ¼ |W|² σ cot(nλ/2)) - ½ nλ
 
     with W the sum of the table's weights' phasors (docs/explanation/families.md Eq. 9); for
-    increments the second term is ½ sin nλ.  All intervals' sums are included, so this is
-    the whole drift.
+    increments the second term is ½ sin nλ.  All intervals' sums are included, so this
+    is the whole drift.
 
     Args:
         table: the tap table.

@@ -49,7 +49,7 @@ RECORD_PERIODS = 7
 
 
 @dataclass(frozen=True)
-class Vibration(ABC):
+class Oscillation(ABC):
     """A pure vibration of one frequency, by its two amplitudes.
 
     `Cone` and `Scull` say what they are; drifts are rad/s and m/s² about and along z.
@@ -84,17 +84,17 @@ class Vibration(ABC):
 
 
 @dataclass(frozen=True)
-class Cone(Vibration):
+class Cone(Oscillation):
     """Classical coning about z (`motion.Coning`); half_angle in rad."""
 
     half_angle: float
 
     def amplitudes(self, omega: Array) -> Array:
-        """See `Vibration`."""
+        """See `Oscillation`."""
         return np.full_like(omega, sin(self.half_angle) ** 2)
 
     def samples(self, design: Design, omega: float, count: int) -> Array:
-        """See `Vibration`."""
+        """See `Oscillation`."""
         motion, T = Coning(self.half_angle, omega), design.sample_interval
         response = stated_filter(design)
         if design.sensor.kind == "increment":
@@ -106,18 +106,18 @@ class Cone(Vibration):
         return samples
 
     def peaks(self, design: Design, omega: float) -> tuple[float, float]:
-        """See `Vibration`."""
+        """See `Oscillation`."""
         T = design.sample_interval
         swing = 2 * sin(self.half_angle) * min(0.5 * omega * T, 1.0)
         spin = 2 * omega * T * sin(self.half_angle / 2) ** 2
         return (swing + spin) / (T if design.sensor.kind == "rate" else 1.0), 0.0
 
     def second_order(self, design: Design, block: VectorBlock) -> float:
-        """See `Vibration`."""
+        """See `Oscillation`."""
         return float(second_order_corrections(design, block)[0][2])
 
     def complete(self, design: Design, block: VectorBlock, omega: float, start: float) -> float:
-        """See `Vibration`."""
+        """See `Oscillation`."""
         increments = major_increments(design, block)
         w, i, j, k = Coning(self.half_angle, omega).attitude(np.array([start])).T
         x, y, z = rotation_vectors(running_attitude(increments.phi)[-1:]).T
@@ -129,18 +129,18 @@ class Cone(Vibration):
 
 
 @dataclass(frozen=True)
-class Scull(Vibration):
+class Scull(Oscillation):
     """Classical sculling (`motion.Sculling`): angle about x in rad, specific force along y."""
 
     angle: float
     force: float
 
     def amplitudes(self, omega: Array) -> Array:
-        """See `Vibration`."""
+        """See `Oscillation`."""
         return self.angle * self.force / omega
 
     def samples(self, design: Design, omega: float, count: int) -> Array:
-        """See `Vibration`."""
+        """See `Oscillation`."""
         motion, T = Sculling(self.angle, self.force, omega), design.sample_interval
         response = stated_filter(design)
         gain = 1.0 if response is None else abs(response.value(omega * T))
@@ -155,17 +155,17 @@ class Scull(Vibration):
         return out
 
     def peaks(self, design: Design, omega: float) -> tuple[float, float]:
-        """See `Vibration`."""
+        """See `Oscillation`."""
         T = design.sample_interval
         peaks = 2 * self.angle * min(0.5 * omega * T, 1.0), self.force * T
         return (peaks[0] / T, peaks[1] / T) if design.sensor.kind == "rate" else peaks
 
     def second_order(self, design: Design, block: VectorBlock) -> float:
-        """See `Vibration`."""
+        """See `Oscillation`."""
         return float(second_order_corrections(design, block)[1][2])
 
     def complete(self, design: Design, block: VectorBlock, omega: float, start: float) -> float:
-        """See `Vibration`."""
+        """See `Oscillation`."""
         motion = Sculling(self.angle, self.force, omega)
         increments = major_increments(design, block)
         begin = 0.5 * self.angle * sin(omega * start)
@@ -214,7 +214,7 @@ class Law:
     phases: tuple[float, float]
 
 
-def drift(design: Design, vibration: Vibration, hertz: Array) -> Array:
+def drift(design: Design, vibration: Oscillation, hertz: Array) -> Array:
     """Closed-form residual drift (rad/s or m/s²) at frequencies in Hz, computed minus true."""
     omega = 2 * pi * np.asarray(hertz, np.float64)
     T, kind, response = design.sample_interval, design.sensor.kind, stated_filter(design)
@@ -234,7 +234,7 @@ def stated_filter(design: Design) -> Response | None:
     return response if response.stages else None
 
 
-def uncorrected(vibration: Vibration, hertz: Array) -> Array:
+def uncorrected(vibration: Oscillation, hertz: Array) -> Array:
     """Drift of an integrator that makes no correction, less its ripple: -½ a b Ω."""
     omega = 2 * pi * np.asarray(hertz, np.float64)
     return -0.5 * omega * vibration.amplitudes(omega)
@@ -272,7 +272,7 @@ def record(design: Design, hertz: float, least_samples: int = RECORD_SAMPLES) ->
     return periods, samples
 
 
-def integer_point(design: Design, vibration: Vibration, hertz: float) -> Point:
+def integer_point(design: Design, vibration: Oscillation, hertz: float) -> Point:
     """Run the integer path at (nearly) a frequency, on the design's own sensor.
 
     Raises:
@@ -299,7 +299,7 @@ def integer_point(design: Design, vibration: Vibration, hertz: float) -> Point:
     )
 
 
-def fine(design: Design, vibration: Vibration, highest_hertz: float) -> Design:
+def fine(design: Design, vibration: Oscillation, highest_hertz: float) -> Design:
     """The design on a sensor so fine that its LSB does not show."""
     return with_fine_sensor(design, *vibration.peaks(design, 2 * pi * highest_hertz))
 
@@ -311,7 +311,7 @@ PHASES = np.geomspace(1e-3, 0.5, 200)
 """Where λ of the lower run is looked for: both runs stay well below Nyquist."""
 
 
-def law(design: Design, vibration: Vibration) -> Law:
+def law(design: Design, vibration: Oscillation) -> Law:
     """The first term of the residual, exact and measured through the integer path.
 
     The two runs are at λ and 2λ with the first λ where the residual passes `SHARE` of the
@@ -346,7 +346,7 @@ def law(design: Design, vibration: Vibration) -> Law:
     )
 
 
-def fits(design: Design, vibration: Vibration, hertz: float) -> bool:
+def fits(design: Design, vibration: Oscillation, hertz: float) -> bool:
     """Whether the motion's samples are sure to fit the words of the design's sensor."""
     gyro, accel = vibration.peaks(design, 2 * pi * hertz)
     words, sensor = design.words, design.sensor

@@ -37,7 +37,7 @@ TRIAL_SAMPLES = 4000
 
 
 @dataclass(frozen=True)
-class Level:
+class QuantisationError:
     """Quantisation error at one LSB; rates are rad/s over a trial's record.
 
     Attributes:
@@ -135,7 +135,7 @@ def deviation(design: Design, half_angle: float, hertz: float, lsb: float, sampl
 
 def monte_carlo(
     design: Design, half_angle: float, hertz: float, lsb: float, trials: int, seed: int
-) -> Level:
+) -> QuantisationError:
     """Run trials through the integer path, each with its own phase and starting remainder.
 
     The half angle too differs from trial to trial, by up to 2 %: a pure tone meets the same
@@ -183,7 +183,7 @@ def monte_carlo(
             angle = major_increments(design, block).alpha.sum(axis=0)
             largest = max(largest, float(np.abs(angle - true_angle).max()) / lsb)
     peak = Cone(half_angle).peaks(design, omega)[0]
-    return Level(
+    return QuantisationError(
         lsb,
         peak / count_lsb,
         float(added.mean()),

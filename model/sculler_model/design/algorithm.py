@@ -43,9 +43,21 @@ class UserTable(Part):
 class Algorithm(Part):
     """The high-rate algorithm.  Field order matters: later ones are checked against earlier.
 
-    position: "high-resolution" adds the vectors s_alpha, s_nu and scrolling (`scrolling`), from
-        which the host has the way over each major interval; "trapezoidal", which is the default,
-        has none of them.
+    Attributes:
+        samples: n, of a minor interval.
+        history: p, samples of the previous minor interval that the coefficients may use.
+        minors: M, minor intervals in a major one.
+        family: where the tap table comes from, one of `FAMILIES` or "table".
+        table: the user's own, with family = "table".
+        base: what family = "uncompressed" starts from.
+        match: how "tuned" is matched.
+        filter: what the samples have passed, stage after stage.
+        sum: how a rate sensor's sum is formed.
+        band: where a fit counts.
+        denominator_bits: rounded taps stand over 2 to this.
+        position: "high-resolution" adds the vectors s_alpha, s_nu and scrolling (`scrolling`),
+            from which the host has the displacement over each major interval; "trapezoidal", which
+            is the default, has none of them.
     """
 
     samples: Annotated[

@@ -39,8 +39,15 @@ else:
 class Design(Part):
     """A complete, valid design.
 
-    Build one with `Design.load` (file), `Design.parse` (mapping) or `Design.preset`.
-    Everything derived is an attribute: `table`, `words`, `samples_per_major`, scales and rates.
+    Build one with `Design.load` (file), `Design.parse` (mapping) or `Design.preset`; it never
+    changes.  Everything derived is an attribute: `table`, `words`, `samples_per_major`, scales and
+    rates.
+
+    Attributes:
+        name: of the Verilog module.
+        sensor: what the sensor delivers: kind, rate, widths and scales.
+        algorithm: the high-rate algorithm: family, n samples, p of history, M minors.
+        hardware: how it becomes gates.
     """
 
     name: Annotated[str, Field(description="a Verilog name: letters, digits, single _")]
@@ -79,7 +86,10 @@ class Design(Part):
 
     @classmethod
     def load(cls, path: str | Path) -> Design:
-        """Read and validate a design file.
+        """Read and validate a design file (TOML, docs/reference/design-file.md).
+
+        Args:
+            path: of the file; paths inside it start from its folder.
 
         Raises:
             InputError: the file cannot be read, is not TOML, or has faults; all are named.
@@ -98,7 +108,15 @@ class Design(Part):
 
     @classmethod
     def preset(cls, name: str, **algorithm: Any) -> Design:
-        """The design of a preset, with keys of [algorithm] replaced as given."""
+        """The design of a preset, with keys of [algorithm] replaced as given.
+
+        Args:
+            name: one of `PRESETS`.
+            algorithm: such as `samples=4, minors=5`.
+
+        Raises:
+            InputError: there is no such preset, or a key is at fault.
+        """
         return cls.parse({"preset": name, "algorithm": algorithm})
 
     @classmethod
@@ -108,6 +126,11 @@ class Design(Part):
         """Validate a mapping of the design file's shape.
 
         `preset`, at the top or in [sensor], fills in whatever the mapping leaves out.
+
+        Args:
+            data: what a design file holds, as `tomllib` gives it.
+            where: names it in messages.
+            folder: that relative paths in it start from; left out, the working directory.
 
         Raises:
             InputError: with every fault, each named by its key and allowed range.
@@ -211,17 +234,17 @@ class Design(Part):
 
     @property
     def samples_per_major(self) -> int:
-        """Samples of a major interval, n * M."""
+        """Samples of a major interval, N = n M."""
         return self.algorithm.samples * self.algorithm.minors
 
     @property
     def sample_interval(self) -> float:
-        """T, seconds."""
+        """T, the time from sample to sample, s."""
         return 1.0 / self.sensor.sample_rate_hz
 
     @property
     def major_interval(self) -> float:
-        """Seconds between results."""
+        """The time from result to result, N T, s."""
         return self.samples_per_major / self.sensor.sample_rate_hz
 
     @property
@@ -237,10 +260,10 @@ class Design(Part):
         return lsb if self.sensor.kind == "increment" else lsb * self.sample_interval
 
     def as_json(self) -> dict[str, Any]:
-        """The design as plain data, the form `parse` reads."""
+        """The design as plain data, the form `parse` reads; JSON can hold it."""
         return self.model_dump(mode="json", exclude_none=True)
 
     @property
     def digest(self) -> str:
-        """SHA-256 of the design's content."""
+        """SHA-256 (hexadecimal) of the design's content."""
         return hashlib.sha256(json.dumps(self.as_json(), sort_keys=True).encode()).hexdigest()

@@ -12,15 +12,19 @@ from sculler_model.schema import Part
 class Hardware(Part):
     """How it becomes gates.  Field order matters: later ones are checked against earlier.
 
-    core: "pipelined" (fast) or "compact" (small, one multiplication at a time).
-    target: whose multiplier and memory blocks to use; "generic" leaves them to the synthesiser.
-    multipliers: multiplier blocks the core may use.  The pipelined core takes as many clocks per
-        sample as follow from it, and without it one.  The compact core uses 1 (default) or 0.
-    handover: "parallel" shows a whole result at once, "stream" word by word (`stream`); the
-        compact core streams, the pipelined core does what is asked, by default "parallel".
-    overrun: what gives way when results are not taken in time.  "drop-sample", which is the
-        default: the sensor is made to wait, and a sample that cannot is lost, which status bit 3
-        tells; "drop-result": the oldest result that waits, which `results_dropped` tells.
+    Attributes:
+        core: "pipelined" (fast) or "compact" (small, one multiplication at a time).
+        target: whose multiplier and memory blocks to use; "generic" leaves them to the
+            synthesiser.
+        multipliers: multiplier blocks the core may use.  The pipelined core takes as many clocks
+            per sample as follow from it, and without it one.  The compact core uses 1 (default)
+            or 0.
+        handover: "parallel" shows a whole result at once, "stream" word by word (`stream`); the
+            compact core streams, the pipelined core does what is asked, by default "parallel".
+        overrun: what gives way when results are not taken in time.  "drop-sample", which is the
+            default: the sensor is made to wait, and a sample that cannot is lost, which status
+            bit 3 tells; "drop-result": the oldest result that waits, which `results_dropped`
+            tells.
     """
 
     core: Annotated[

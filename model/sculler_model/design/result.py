@@ -69,9 +69,17 @@ STATUS_BITS = 4
 class Result(NamedTuple):
     """One major interval's result: exact integer numerators (docs/explanation/theory.md).
 
-    `major` counts from 0 after reset; `status` is a bit set; each vector is (x, y, z) in the
-    sensor's axes.  The last three are there where the design has high-resolution position: sums
-    over the sample interval, s_alpha and s_nu over 12, scrolling over 4320 (`scrolling`).
+    Each vector is (x, y, z) in the sensor's axes.  The last three are there where the design has
+    high-resolution position (`algorithms.scrolling`), else None.
+
+    Attributes:
+        major: counts from 0 after reset.
+        status: a bit set, see the `STATUS_` names.
+        alpha, nu: sums of gyro and accelerometer counts, over the table's `sum_denominator` Dw.
+        coning_within, sculling_within: over its `denominator` Dc, counts².
+        coning_between, sculling_between: over 2 Dw², counts².
+        s_alpha, s_nu: running integrals of alpha and nu, over 12, counts times samples.
+        scrolling: over 4320, counts² times samples.
     """
 
     major: int

@@ -10,7 +10,12 @@ from sculler_model.schema import Part
 
 
 class Axes(Part):
-    """Word length and scale of three like sensor axes."""
+    """Word length and scale of three like sensor axes.
+
+    Attributes:
+        bits: of a count, two's complement, 8 to 32.
+        lsb: of a count: rad or m/s (increments), rad/s or m/s² (rates).
+    """
 
     bits: Annotated[int, Field(ge=8, le=32, description="a whole number from 8 to 32")]
     lsb: Annotated[
@@ -20,7 +25,13 @@ class Axes(Part):
 
 
 class Sensor(Part):
-    """What the sensor delivers."""
+    """What the sensor delivers.
+
+    Attributes:
+        kind: "increment" (angle and velocity over each sample interval) or "rate".
+        sample_rate_hz: 1/T.
+        gyro, accel: their words.
+    """
 
     kind: Annotated[Literal["increment", "rate"], Field(description='"increment" or "rate"')]
     sample_rate_hz: Annotated[

@@ -25,7 +25,14 @@ results.
 
 @dataclass(frozen=True)
 class Interval:
-    """A closed range of integers with exact interval arithmetic."""
+    """A closed range of integers with exact interval arithmetic.
+
+    Attributes:
+        lo, hi: its ends, both in it.
+
+    Raises:
+        ValueError: it is empty.
+    """
 
     lo: int
     hi: int

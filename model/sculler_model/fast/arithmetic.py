@@ -34,7 +34,7 @@ from sculler_model.fast.scrolling import FastHighResolution
 Counts: TypeAlias = NDArray[np.integer[Any]]
 """(N, 6): gyro x, y, z, accelerometer x, y, z of N samples."""
 
-Vectors: TypeAlias = NDArray[np.int64]
+MinorVectors: TypeAlias = NDArray[np.int64]
 """(2, 4, M, R): a gyro and an accelerometer vector of each minor interval, axes y, z, x, y."""
 
 Digits: TypeAlias = NDArray[np.int64]
@@ -129,10 +129,10 @@ class Arithmetic:
         x, A_B, theta_v, alpha_nu = (buffer[..., :R] for buffer in buffers)
         self._load(rows, x)
 
-        def samples_of(k: int) -> Callable[[int], Vectors]:
+        def samples_of(k: int) -> Callable[[int], MinorVectors]:
             """d -> s[t-d], r[t-d] for the t of phase k."""
 
-            def back(d: int) -> Vectors:
+            def back(d: int) -> MinorVectors:
                 minor, phase = divmod(k - 1 - d, n)
                 return x[phase, :, :, self.minors_back + minor :][:, :, :M]
 
@@ -171,7 +171,7 @@ class Arithmetic:
             x[k - 1, :, 3] = x[k - 1, :, 0]
 
     def _weighted_sum(
-        self, terms: list[Terms], back: Callable[[int], Vectors], out: Digits
+        self, terms: list[Terms], back: Callable[[int], MinorVectors], out: Digits
     ) -> None:
         """Sum of coefficient * x[t-d], in digits."""
         xyz = out[:, :, :3]
@@ -204,7 +204,9 @@ class Arithmetic:
         return number
 
 
-def _add_products(sums: Digits, left: Iterable[Vectors], right: Iterable[Vectors]) -> None:
+def _add_products(
+    sums: Digits, left: Iterable[MinorVectors], right: Iterable[MinorVectors]
+) -> None:
     """Add A x s and A x r + B x s of left = [A, B], right = [s, r], summed over minors, to sums."""
     for i, A_B in enumerate(left):
         for j, s_r in enumerate(right):

@@ -69,6 +69,9 @@ class FastModel:
             counts: (N, 6) integers: gyro x, y, z, accelerometer x, y, z.
             faults: (N,) integers or booleans, not 0 where the sample carried `fault`.
 
+        Returns:
+            Their results, in order; none if no major interval has ended.
+
         Raises:
             InputError: the arrays are not of this form, or a count does not fit the sensor's
                 width.  Then nothing of them is taken.
@@ -171,7 +174,15 @@ class FastModel:
 
 
 def run_fast(design: Design, counts: ArrayLike, faults: ArrayLike | None = None) -> VectorBlock:
-    """All complete major intervals of a sequence of samples; see `FastModel.feed`."""
+    """All complete major intervals of a sequence of samples, from reset.
+
+    Args:
+        design: the design.
+        counts, faults: as for `FastModel.feed`.
+
+    Raises:
+        InputError: as `FastModel.feed`.
+    """
     return FastModel(design).feed(counts, faults)
 
 

@@ -27,7 +27,11 @@ _FOCUS_SQUARED = ECCENTRICITY_SQUARED * SEMI_MAJOR_AXIS**2
 
 
 def radii(sin_lat: Real) -> tuple[Real, Real]:
-    """Radii of curvature on the ellipsoid (m): of the meridian, and of the prime vertical."""
+    """Radii of curvature on the ellipsoid (m): of the meridian, and of the prime vertical.
+
+    Args:
+        sin_lat: sine of geodetic latitude.
+    """
     squash = 1 - ECCENTRICITY_SQUARED * sin_lat * sin_lat
     prime_vertical = SEMI_MAJOR_AXIS / squash**0.5
     return prime_vertical * ((1 - ECCENTRICITY_SQUARED) / squash), prime_vertical
@@ -112,14 +116,23 @@ GRAVITY_EQUATOR = gravity(0.0, 0.0)
 
 
 def earth_rate(sin_lat: Real, cos_lat: Real) -> tuple[Real, Real, Real]:
-    """Earth's rotation ω_ie in north, east, down (rad/s)."""
+    """Earth's rotation ω_ie in north, east, down (rad/s), of sine and cosine of latitude."""
     return EARTH_RATE * cos_lat, 0 * cos_lat, -EARTH_RATE * sin_lat
 
 
 def transport_rate(
     sin_lat: Real, cos_lat: Real, height: Real, velocity: tuple[Real, Real, Real]
 ) -> tuple[Real, Real, Real]:
-    """Rotation ω_en of the north-east-down frame over the Earth (rad/s) at a velocity (m/s)."""
+    """Rotation ω_en of the north-east-down frame over the Earth, in its own axes (Savage-98 Eq. 3).
+
+    Args:
+        sin_lat, cos_lat: of geodetic latitude.
+        height: above the ellipsoid, m.
+        velocity: over the Earth, north, east, down, m/s.
+
+    Returns:
+        North, east, down, rad/s; not defined at a pole, where `cos_lat` is 0.
+    """
     meridian, prime_vertical = radii(sin_lat)
     north, east, _ = velocity
     over_east = east / (prime_vertical + height)

@@ -35,7 +35,7 @@ Quaternions = tuple[
 
 
 def cross(a: tuple[Real, Real, Real], b: tuple[Real, Real, Real]) -> tuple[Real, Real, Real]:
-    """a x b."""
+    """a x b, of floats or arrays; `algorithms` has it for exact integers."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
@@ -61,12 +61,12 @@ def product(
 
 
 def conjugate(q: tuple[Real, Real, Real, Real]) -> tuple[Real, Real, Real, Real]:
-    """The opposite rotation."""
+    """The opposite rotation, of a quaternion of length 1."""
     return (q[0], -q[1], -q[2], -q[3])
 
 
 def rotate(q: tuple[Real, Real, Real, Real], v: tuple[Real, Real, Real]) -> tuple[Real, Real, Real]:
-    """v turned by q: body components to navigation components where q is q_nb."""
+    """v turned by q, in v's unit: body components to navigation components where q is q_nb."""
     w, x, y, z = q
     tx, ty, tz = cross((x, y, z), v)
     tx, ty, tz = tx + tx, ty + ty, tz + tz

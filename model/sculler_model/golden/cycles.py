@@ -175,6 +175,9 @@ class CycleModel:
         design: the design; its `hardware.handover` says which result ports there are.
         timing: the core's own figures, as in the manifest.
 
+    Attributes:
+        golden: the model behind the ports, which has taken the samples that they took.
+
     Raises:
         ValueError: `timing.work` is not of as many phases as the design has.
     """
@@ -192,7 +195,7 @@ class CycleModel:
 
     def _reset(self) -> None:
         """As at power-up, from the present clock on."""
-        self._golden = GoldenModel(self.design)
+        self.golden = GoldenModel(self.design)
         self._next_sample = self._clock + self.timing.startup  # clock from which one may come
         self._engine_free = self._clock  # clock from which the engine is
         self._results: deque[_Waiting] = deque()
@@ -203,7 +206,7 @@ class CycleModel:
 
     def ports(self) -> Ports:
         """What the outputs show during the present clock, before its inputs are known."""
-        t = self._golden.t
+        t = self.golden.t
         last_is_next = (t + 1) % self.design.samples_per_major == 0
         has_work = self._work[t % len(self._work)] > 0
         full = self.timing.dropping is None and len(self._results) == self.timing.results
@@ -242,7 +245,7 @@ class CycleModel:
         if shown.result_valid and result_ready:
             self._take_result()
         if self._refused and offered is None:
-            self._golden.lose()
+            self.golden.lose()
             self._lost.count(self._clock + 2)
         self._refused = offered is not None and not takes
         if offered is not None and takes:
@@ -252,7 +255,7 @@ class CycleModel:
 
     def _claim(self) -> None:
         """A sample is taken in this clock; if it is an interval's last, its result wants room."""
-        last = (self._golden.t + 1) % self.design.samples_per_major == 0
+        last = (self.golden.t + 1) % self.design.samples_per_major == 0
         if last and self.timing.dropping is not None:
             self._claims.append(self._clock + self.timing.dropping.claim)
 
@@ -267,11 +270,11 @@ class CycleModel:
             self._dropped.count(self._clock + 2)
 
     def _take_sample(self, sample: Sample) -> None:
-        work = self._work[self._golden.t % len(self._work)]
+        work = self._work[self.golden.t % len(self._work)]
         self._next_sample = self._clock + self.timing.spacing
         if work:
             self._engine_free = self._clock + work
-        result = self._golden.step(*sample)
+        result = self.golden.step(*sample)
         if result is not None:
             self._results.append(_Waiting(self._clock, deque(self._shown_as(result))))
 

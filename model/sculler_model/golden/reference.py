@@ -9,7 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from sculler_model.algorithms import ZERO, HighResolution, Vec, cross, plus, times, whole_numbers
+from sculler_model.algorithms import (
+    ZERO,
+    HighResolution,
+    Vec,
+    cross,
+    times,
+    vector_sum,
+    whole_numbers,
+)
 from sculler_model.design import (
     AXES,
     STATUS_FAULT,
@@ -53,6 +61,14 @@ class GoldenModel:
     Feed samples one at a time with `step`; it returns the major interval's `Result` on the
     interval's last sample, else None.  Sample history runs on across intervals until `reset`.
     Where a sample was lost between two of them, say so with `lose`.
+
+    Args:
+        design: the design.
+
+    Attributes:
+        t: running number of the next sample.
+        major: number of the present major interval.
+        status: its status so far; `alpha` and the other vectors of `Result` its sums so far.
     """
 
     def __init__(self, design: Design) -> None:
@@ -78,7 +94,7 @@ class GoldenModel:
     def _weighted_sum(self, coefficients: Iterable[tuple[int, int]], counts: list[Vec]) -> Vec:
         """Sum of c * counts[t-d] over pairs (d, c); samples before the first one are zero."""
         terms = [times(c, counts[-1 - d]) for d, c in coefficients if c and d <= self.t]
-        return plus(ZERO, *terms)
+        return vector_sum(ZERO, *terms)
 
     def lose(self) -> None:
         """A sample was offered and not taken: it marks the interval of the next one taken."""
@@ -90,6 +106,9 @@ class GoldenModel:
         Args:
             gyro, accel: integer counts within the design's widths (signed), of any integer type.
             fault: 1 marks the interval's status, as a count at either end of its width does.
+
+        Returns:
+            The interval's result after its last sample, else None.
 
         Raises:
             InputError: a count is no whole number, or does not fit the sensor's width.
@@ -124,8 +143,8 @@ class GoldenModel:
         row = list(enumerate(table.taps[k - 1], start=1))
         A = self._weighted_sum(row, self.s)
         B = self._weighted_sum(row, self.r)
-        self.coning_within = plus(self.coning_within, cross(A, gyro))
-        self.sculling_within = plus(self.sculling_within, cross(A, accel), cross(B, gyro))
+        self.coning_within = vector_sum(self.coning_within, cross(A, gyro))
+        self.sculling_within = vector_sum(self.sculling_within, cross(A, accel), cross(B, gyro))
         if self.position is not None:
             self.position.step(gyro, accel)
 
@@ -133,12 +152,12 @@ class GoldenModel:
         weights = list(enumerate(self.design.table.weights))
         theta = self._weighted_sum(weights, self.s)
         v = self._weighted_sum(weights, self.r)
-        self.coning_between = plus(self.coning_between, cross(self.alpha, theta))
-        self.sculling_between = plus(
+        self.coning_between = vector_sum(self.coning_between, cross(self.alpha, theta))
+        self.sculling_between = vector_sum(
             self.sculling_between, cross(self.alpha, v), cross(self.nu, theta)
         )
-        self.alpha = plus(self.alpha, theta)
-        self.nu = plus(self.nu, v)
+        self.alpha = vector_sum(self.alpha, theta)
+        self.nu = vector_sum(self.nu, v)
 
     def _every_major_end(self) -> Result:
         result = Result(
@@ -162,7 +181,11 @@ class GoldenModel:
         return result
 
     def run(self, samples: Iterable[Sample]) -> Iterator[Result]:
-        """Results of all complete major intervals of a sequence of samples."""
+        """Results of all complete major intervals of a sequence of samples.
+
+        Raises:
+            InputError: as `step`.
+        """
         for gyro, accel, fault in samples:
             result = self.step(gyro, accel, fault)
             if result is not None:

@@ -39,6 +39,10 @@ def to_words(design: Design, row: Sequence[int]) -> list[int]:
 def from_words(design: Design, words: Sequence[int]) -> tuple[int, ...]:
     """The columns of a result, from its words; `major` modulo 2 to the bits of a column.
 
+    Args:
+        design: the design.
+        words: unsigned, in the order they are sent.
+
     Raises:
         ValueError: not as many words as a result has.
     """

@@ -64,7 +64,7 @@ def velocity_higher_orders(
 def displacement(
     alpha: Array, upsilon: Array, s_alpha: Array, s_upsilon: Array, scrolling: Array
 ) -> Array:
-    """ΔR_SF: what the specific force adds to the way over each interval (Savage-98 Eq. 84).
+    """ΔR_SF: the displacement that the specific force adds over each interval (Savage-98 Eq. 84).
 
         ΔR_SF = S_υ + ΔR_rot + ΔR_scrl
 

@@ -110,6 +110,9 @@ def align(
         noise: what is known of the sensors; the window shows what is left out.
         gravity: the model of gravity.
 
+    Returns:
+        Attitude, its covariance and what looks wrong.
+
     Raises:
         InputError: an interval is of short history, the window is too short, the unit is not at
             rest (specific force more than 2 % off gravity, or rate over 100 times Earth's), or it
@@ -117,30 +120,17 @@ def align(
     """
     lean, g = gravity_at(gravity, sin(lat), h)
     _refuse_unfit(increments, interval, lat, g)
-    count = len(increments)
-    seconds = count * interval
+    seconds = len(increments) * interval
     true_horizontal = EARTH_RATE * cos(lat)
 
-    # specific force in the inertial frame that the body left, at the middle of every interval
-    chain, end = _chain(increments)
-    force = np.stack(rotate(chain, vectors(increments.dv_sf / interval)), axis=1)
-    # what it must be: against gravity, in the inertial frame that north-east-down left at the start
-    times = (np.arange(count, dtype=np.float64) + 0.5) * interval
-    swing = _earth_turn(lat, times)
-    leaning = cos(lat) * lean / g
-    up = np.stack(rotate(swing, vectors(np.tile([-leaning, 0.0, -1.0], (count, 1)))), axis=1)
-    start = _wahba(force, up)
+    start, end, attitude, level = _levelled(increments, interval, lat, cos(lat) * lean / g)
     back = from_rotation_vector((-true_horizontal * seconds, 0.0, EARTH_RATE * sin(lat) * seconds))
-
-    # the specific force in north-east-down: constant, but for errors and disturbances
-    to_level = product(conjugate(swing), repeated(start, count))
-    level = np.stack(rotate(to_level, vectors(force)), axis=1)
-    down = _mean_down(product(to_level, chain))
+    down = _mean_down(attitude)
     noise, tilts, step = _noise_shown(increments, interval, level, g, noise)
     result = Alignment(
         q=product(back, product(start, end)),
         seconds=seconds,
-        horizontal_rate=true_horizontal + _slope(level[:, 1], times) / g,
+        horizontal_rate=true_horizontal + _slope(level[:, 1], interval) / g,
         down_rate=float(increments.phi.mean(axis=0) @ down) / interval,
         specific_force=float(np.linalg.norm(level.mean(axis=0))),
         gravity=g,
@@ -182,6 +172,33 @@ def _refuse_unfit(increments: MajorIncrements, interval: float, lat: float, g: f
             f"alignment: specific force {specific_force:.5g} m/s² is more than 2 % off gravity"
             f" ({g:.5g} m/s²), align at rest, or check the accelerometer's LSB"
         )
+
+
+def _levelled(
+    increments: MajorIncrements, interval: float, lat: float, leaning: float
+) -> tuple[Quaternion, Quaternion, Quaternions, Array]:
+    """The attitude that lays the swing of the specific force upon gravity's.
+
+    Args:
+        increments, interval, lat: as for `align`.
+        leaning: gravity's part north over its part down.
+
+    Returns:
+        q_nb at the start; how the body turned from start to end, in inertial space; q_nb before
+        every interval; (R, 3) the specific force in north-east-down, m/s².
+    """
+    count = len(increments)
+    # specific force in the inertial frame that the body left, at the middle of every interval
+    chain, end = _chain(increments)
+    force = np.stack(rotate(chain, vectors(increments.dv_sf / interval)), axis=1)
+    # what it must be: against gravity, in the inertial frame that north-east-down left at the start
+    swing = _earth_turn(lat, (np.arange(count, dtype=np.float64) + 0.5) * interval)
+    up = np.stack(rotate(swing, vectors(np.tile([-leaning, 0.0, -1.0], (count, 1)))), axis=1)
+    start = _wahba(force, up)
+    # the specific force in north-east-down: constant, but for errors and disturbances
+    to_level = product(conjugate(swing), repeated(start, count))
+    level = np.stack(rotate(to_level, vectors(force)), axis=1)
+    return start, end, product(to_level, chain), level
 
 
 def _mean_down(attitude: Quaternions) -> Array:
@@ -287,8 +304,9 @@ def _wahba(measured: Array, known: Array) -> Quaternion:
     return (w, x, y, z)
 
 
-def _slope(values: Array, times: Array) -> float:
-    """Slope of the straight line that fits best."""
+def _slope(values: Array, interval: float) -> float:
+    """Slope of the straight line that fits best, values in the middle of consecutive intervals."""
+    times = (np.arange(len(values), dtype=np.float64) + 0.5) * interval
     centred = times - times.mean()
     return float(centred @ values / (centred @ centred))
 

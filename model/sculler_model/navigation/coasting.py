@@ -5,10 +5,9 @@ A guess, not navigation; `sculler navigate --breaks split` says where it had to 
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import sin
 
 from sculler_model.frames import (
-    Quaternion,
     about_z,
     from_rotation_vector,
     normalised,
@@ -17,23 +16,24 @@ from sculler_model.frames import (
     rotate,
 )
 from sculler_model.navigation.state import NavState
-from sculler_model.navigation.wander import NOT_YET, Earth, Level, geographic
+from sculler_model.navigation.wander import NOT_YET, Earth, Level, geographic, place_at
 
 
 def coasted(state: NavState, seconds: float) -> NavState:
     """The state so much later if attitude and velocity stay as they are, over poles too.
 
-    The way is a straight line in the level frame that does not turn about the vertical (the wander
+    The path is a straight line in the level frame that does not turn about the vertical (the wander
     angle's), on the curvature of the ellipsoid where it begins.
 
     Args:
         state: at the break.
         seconds: length of the break.
+
+    Returns:
+        The state at the end of the break, with a wander angle that carries on.
     """
     to_level = about_z(-state.wander)
-    theta = -0.5 * pi - state.lat
-    to_earth: Quaternion = (cos(0.5 * theta), 0.0, sin(0.5 * theta), 0.0)
-    place = normalised(product(about_z(state.lon), product(to_earth, about_z(state.wander))))
+    place = place_at(state.lat, state.lon, state.wander)
     meridian, prime_vertical = radii(sin(state.lat))
     north, east, down = state.v
     turn = (

@@ -48,13 +48,13 @@ def compiled_run() -> Run | None:
         for function in vars(module).values():
             if isinstance(function, FunctionType) and function.__module__ == module.__name__:
                 register_jitable(function)
-    # Numba sees only a change of this file: with the others' text the cache knows theirs as well
+    # Numba sees only a change of this file, and cannot read what it kept of types that are gone:
+    # with the others' text in its name the compiled code has a file of its own
     key = sha256("".join(map(getsource, modules)).encode()).hexdigest()
 
     def loop(
         now: Level, settings: Settings, phi: Array, dv_sf: Array, dr_sf: Array, table: Array
     ) -> tuple[Level, int]:
-        len(key)  # a part of what the compiled code is kept under
         dr = (0.0, 0.0, 0.0)
         for i in range(len(phi)):
             if settings.high_resolution:
@@ -75,6 +75,7 @@ def compiled_run() -> Run | None:
             row[7], row[8], row[9], row[10] = lat, lon, h, angle
         return now, len(phi)
 
+    loop.__qualname__ = f"loop_{key[:16]}"
     try:
         run: Run = njit(cache=True)(loop)
     except RuntimeError:  # there is nowhere to keep it: compiled anew in every process

@@ -64,9 +64,16 @@ def known_quantities(truth: NavHistory) -> tuple[str, ...]:
 
 
 def navigation_errors(estimate: NavHistory, truth: NavHistory) -> NavErrors:
-    """Errors of states at the same instants.
+    """Errors of states at the same instants, estimate less truth.
 
     A truth without position is taken to be at the estimate's place, so that its north is the same.
+
+    Args:
+        estimate, truth: (N,) states each, at the same times; NaN all through in what the truth
+            does not tell.
+
+    Returns:
+        In the true north-east-down axes, at the truth's times.
     """
     if "position" not in known_quantities(truth):
         told = replace(truth, lat=estimate.lat, lon=estimate.lon, h=estimate.h)

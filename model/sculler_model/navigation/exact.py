@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from sculler_model.frames import EARTH_RATE, Quaternions, Vectors, conjugate, product, rotate
 from sculler_model.host import MajorIncrements
+from sculler_model.navigation.arrays import rotation_vectors
 from sculler_model.navigation.state import NavHistory
 
 Array = NDArray[np.float64]
@@ -71,7 +72,7 @@ def increments_in_inertial_space(
     for first in range(0, max(count, 1), _BLOCK):
         begin = interval * np.arange(first, min(count, first + _BLOCK), dtype=np.float64)
         back = conjugate(sensed(begin)[0])
-        phi = _logarithm(product(back, sensed(begin + interval)[0]))
+        phi = rotation_vectors(product(back, sensed(begin + interval)[0]))
         dv_sf = np.zeros((len(begin), 3))
         for node, weight in zip(_NODES.tolist(), _WEIGHTS.tolist(), strict=True):
             q, force = sensed(begin + interval * (0.5 + 0.5 * node))
@@ -86,13 +87,3 @@ def _north_east_down(lat: Array, lon: Array) -> Quaternions:
     zero, turn, tip = np.zeros_like(lat), 0.5 * lon, -0.25 * pi - 0.5 * lat
     east: Quaternions = (np.cos(turn), zero, zero, np.sin(turn))
     return product(east, (np.cos(tip), zero, np.sin(tip), zero))
-
-
-def _logarithm(q: Quaternions) -> Array:
-    """(N, 3) rotation vectors, the short way round."""
-    w, x, y, z = q
-    sine = np.sqrt(x * x + y * y + z * z)
-    scale = np.full_like(sine, 2.0)
-    np.divide(2 * np.arctan2(sine, np.abs(w)), sine, out=scale, where=sine > 0)
-    result: Array = np.stack((x, y, z), axis=1) * (scale * np.where(w < 0, -1.0, 1.0))[:, None]
-    return result

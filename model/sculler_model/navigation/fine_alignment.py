@@ -63,8 +63,9 @@ class FineAlignment(AttitudeEstimate):
         gyro_bias: estimated, rad/s, in body axes; what the gyros show too much.
         gyro_bias_sigma: rad/s, in north, east, down; NaN where it cannot be seen and nothing is
             known of it: it is then taken to be 0.
-        surprise: mean square of what the velocity did against what was expected, in standard
-            deviations; about 1 or less if the noise is what it was said to be.
+        surprise: mean normalised innovation squared: of what the velocity did against what was
+            expected, in standard deviations; about 1 or less if the noise is what it was said to
+            be.
     """
 
     coarse: Alignment
@@ -126,6 +127,9 @@ def align_finely(
             `gyro_bias` the one about north is found, for the level drifts by it, and the others
             are taken for none.
         gravity: the model of gravity.
+
+    Returns:
+        Attitude and gyro bias with their covariance, and how well the noise explains the window.
 
     Raises:
         InputError: as `align`.

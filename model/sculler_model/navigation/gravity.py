@@ -120,7 +120,17 @@ def table_of_gravity(lats: Array, heights: Array, values: Array) -> Gravity:
 
 
 def gravity_at(model: Gravity, sin_lat: float, height: float) -> tuple[float, float]:
-    """Gravity at a place, as `earth.normal_gravity` gives it: its lean, and its part down, m/s²."""
+    """Plumb-bob gravity of a model at a place, as `frames.normal_gravity` gives it.
+
+    Args:
+        model: of gravity.
+        sin_lat: sine of geodetic latitude.
+        height: above the ellipsoid, m.
+
+    Returns:
+        Its horizontal part over the horizontal part of the polar axis (see `frames.gravity_lean`),
+        and its part down, m/s².
+    """
     return _gravity_at(model.value, model.table, sin_lat, height)
 
 

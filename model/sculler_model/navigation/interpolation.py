@@ -32,8 +32,12 @@ def interpolated(history: NavHistory, times: Array) -> tuple[NavHistory, int]:
     the cubic with their positions and velocities, the velocity goes in a straight line, and the
     attitude turns evenly the short way.  Without velocities the position goes in a straight line.
 
+    Args:
+        history: (N,) states, times running forwards.
+        times: (M,) s.
+
     Returns:
-        The states, and how many had to be interpolated.
+        (M,) the states, and how many had to be interpolated.
     """
     left = np.searchsorted(history.time, times + slack(times), side="right") - 1
     left = np.clip(left, 0, len(history) - 1)

@@ -317,6 +317,13 @@ def trajectory(
 
     Memory holds one block at a time, so a day-long log runs in as little as a short one.
 
+    Args:
+        mechanisation: what carries the state; it stands at the start of the first interval.
+        increments: consecutive blocks, in body axes.
+
+    Yields:
+        (R,) states of each block of R intervals.
+
     Raises:
         InputError: an interval is of short history, an increment is not finite, or the
             mechanisation cannot follow the track.
@@ -347,6 +354,9 @@ def navigate(
         increments: in body axes; one block or several in order.  With ΔR_SF in them a mechanisation
             that can, `Navigator`, takes the position from it.
         mechanisation: what carries the state.
+
+    Returns:
+        (R + 1) states for R intervals, north-east-down and geodetic whatever the mechanisation.
 
     Raises:
         InputError: see `check_state` and `trajectory`.

@@ -20,7 +20,7 @@ from sculler_model.host import MajorIncrements
 
 Array = NDArray[np.float64]
 
-Rows = TypeVar("Rows", slice, NDArray[np.intp], NDArray[np.bool_])
+Selection = TypeVar("Selection", slice, NDArray[np.intp], NDArray[np.bool_])
 
 MIN_HEIGHT, MAX_HEIGHT = -10e3, 1000e3
 """Heights (m) to navigate in; normal gravity is right at all of them."""
@@ -116,7 +116,7 @@ class NavHistory:
     def __len__(self) -> int:
         return len(self.time)
 
-    def rows(self, which: Rows) -> NavHistory:
+    def rows(self, which: Selection) -> NavHistory:
         """Some of the states: a slice, indices or a mask."""
         return NavHistory(
             self.time[which],

@@ -119,14 +119,18 @@ def level(
     model: Gravity,
 ) -> Level:
     """The carried state of geographic terms (see `NavState`), with a past that stood still."""
-    to_level = about_z(-wander)
-    theta = -0.5 * pi - lat  # C_en = R_z(lon) R_y(-90° - lat)
-    to_earth: Quaternion = (cos(0.5 * theta), 0.0, sin(0.5 * theta), 0.0)
-    place = normalised(product(about_z(lon), product(to_earth, about_z(wander))))
+    to_level, place = about_z(-wander), place_at(lat, lon, wander)
     v = rotate(to_level, v_n)
     here = earth_at(place, h, model)
     q = normalised(product(to_level, q_nb))
     return Level(q, v, v, place, h, here, here, 0, NOT_YET, 0.0, 0.0)
+
+
+def place_at(lat: float, lon: float, wander: float) -> Quaternion:
+    """q_ew of latitude, longitude and wander angle (rad)."""
+    theta = -0.5 * pi - lat  # C_en = R_z(lon) R_y(-90° - lat)
+    to_earth: Quaternion = (cos(0.5 * theta), 0.0, sin(0.5 * theta), 0.0)
+    return normalised(product(about_z(lon), product(to_earth, about_z(wander))))
 
 
 def geographic(
@@ -179,10 +183,13 @@ def earth_at(place: Quaternion, h: float, model: Gravity) -> Earth:
     )
 
 
-def travelled(curvature: Vector, way: Vector) -> Vector:
-    """F_C (u × way): rotation (rad) over the Earth of a way (m), or its rate of a velocity."""
+def travelled(curvature: Vector, moved: Vector) -> Vector:
+    """F_C (u × moved): rotation (rad) over the Earth of a displacement (m), both in w.
+
+    Of a velocity (m/s) it is the rate of that rotation, rad/s.
+    """
     xx, xy, yy = curvature
-    return (xy * way[0] + yy * way[1], -xx * way[0] - xy * way[1], 0.0)
+    return (xy * moved[0] + yy * moved[1], -xx * moved[0] - xy * moved[1], 0.0)
 
 
 def with_past(now: Level, after: Level, settings: Settings) -> Level:
@@ -228,7 +235,7 @@ def turned_and_pulled(there: Earth, v: Vector, interval: float) -> tuple[Vector,
 def carried(
     now: Level, settings: Settings, mid: Earth, damped: Vector, dv_sf: Vector, dr_sf: Vector
 ) -> tuple[Vector, Vector]:
-    """Velocity (m/s) at the end of the interval, and the way over it (m), both in w.
+    """Velocity (m/s) at the end of the interval, and the displacement over it (m), both in w.
 
     The frame w turns by ζ while the specific force acts.  A force constant in w, as at rest or in
     steady flight, then gives (I - ½ζ× + (ζ×)²/12) C_wb ΔV_SF: exact to ζ⁴/720, where Savage-98
@@ -237,8 +244,8 @@ def carried(
 
     With `high_resolution` more is known, so that vibration in step with the updates, whose velocity
     at the interval ends stands off its mean, does no harm: Coriolis and transport rate are those of
-    the mean velocity, way over T, and -½ζ× ΔV_SF becomes -ζ× (ΔV_SF - ΔR_SF/T), which holds for any
-    course of the force.  The term in ζ² then is 1/6 for a force constant in w.
+    the mean velocity, displacement over T, and -½ζ× ΔV_SF becomes -ζ× (ΔV_SF - ΔR_SF/T), which
+    holds for any course of the force.  The term in ζ² then is 1/6 for a force constant in w.
 
     Args:
         now, settings, dv_sf, dr_sf: as for `step`.
@@ -252,20 +259,20 @@ def carried(
     once = cross(zeta, dv)
     twice = cross(zeta, once)
 
-    # velocity (Savage-98 Eq. 4-7, 11, 13) and way over the interval (Eq. 75 or 83)
-    way = NOT_YET
+    # velocity (Savage-98 Eq. 4-7, 11, 13) and displacement over the interval (Eq. 75 or 83)
+    moved = NOT_YET
     if settings.high_resolution:
         dr = rotate(now.q, dr_sf)
         half = plus(plus(now.v, dv_g_cor, 0.5), damped, 0.5)
-        way = plus(dr, plus(plus(half, once, -1 / 6), twice, 1 / 24), T)
-        zeta, dv_g_cor = turned_and_pulled(mid, (way[0] / T, way[1] / T, way[2] / T), T)
+        moved = plus(dr, plus(plus(half, once, -1 / 6), twice, 1 / 24), T)
+        zeta, dv_g_cor = turned_and_pulled(mid, (moved[0] / T, moved[1] / T, moved[2] / T), T)
         dv_sf_w = plus(plus(dv, cross(zeta, plus(dv, dr, -1 / T)), -1.0), twice, 1 / 6)
     else:
         dv_sf_w = plus(plus(dv, once, -0.5), twice, 1 / 12)
     v = plus(plus(plus(now.v, dv_sf_w, 1.0), dv_g_cor, 1.0), damped, 1.0)
     if not settings.high_resolution:
-        way = plus((0.5 * T * v[0], 0.5 * T * v[1], 0.5 * T * v[2]), now.v, 0.5 * T)
-    return v, way
+        moved = plus((0.5 * T * v[0], 0.5 * T * v[1], 0.5 * T * v[2]), now.v, 0.5 * T)
+    return v, moved
 
 
 def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vector) -> Level:
@@ -291,14 +298,14 @@ def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vect
     offset = now.offset + T * k3 * too_high
     damped = (0.0, 0.0, T * (k2 * too_high + offset))
 
-    v, way = carried(now, settings, mid, damped, dv_sf, dr_sf)
+    v, moved = carried(now, settings, mid, damped, dv_sf, dr_sf)
 
-    # position: what the way turns w by (Eq. 71-73)
-    xi = travelled(mid.curvature, way)
+    # position: what the displacement turns w by (Eq. 71-73)
+    xi = travelled(mid.curvature, moved)
     travel = plus(now.travel, xi, 1.0)
-    climb = now.climb - way[2] - T * k1 * too_high
+    climb = now.climb - moved[2] - T * k1 * too_high
 
-    # attitude: q_wb(new) = q(-ζ) q_wb(old) q(φ), with the ζ of the way gone (Savage-20 Eq. 1)
+    # attitude: q_wb(new) = q(-ζ) q_wb(old) q(φ), with the ζ of the displacement (Savage-20 Eq. 1)
     turn_x, turn_y, turn_z = plus(xi, mid.rate, T)
     back = from_rotation_vector((-turn_x, -turn_y, -turn_z))
     q = normalised(product(back, product(now.q, from_rotation_vector(phi))))

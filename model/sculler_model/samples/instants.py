@@ -30,7 +30,12 @@ from sculler_model.design import Design
 
 
 def sample_stamp(design: Design, sample: int) -> float:
-    """The stamp (s) of a sample, counted from 0, on a clock that began with the log (t0 = 0)."""
+    """The stamp (s) of a sample, counted from 0, on a clock that began with the log (t0 = 0).
+
+    Args:
+        design: gives kind and rate.
+        sample: its number.
+    """
     return (sample + _stamp_of_first(design)) / design.sensor.sample_rate_hz
 
 
@@ -50,7 +55,15 @@ def interval_end(design: Design, interval: int) -> float:
 
 
 def interval_ends(design: Design, intervals: NDArray[np.int64]) -> NDArray[np.float64]:
-    """`interval_end` of many intervals, (R,)."""
+    """The ends (s) of many major intervals, as `interval_end`.
+
+    Args:
+        design: the design.
+        intervals: (R,) their numbers.
+
+    Returns:
+        (R,) s.
+    """
     lead = float(_stamp_of_first(design) - 1 + _end_after_stamp(design))
     samples = (np.asarray(intervals, np.int64) + 1) * design.samples_per_major
     return (samples + lead).astype(np.float64) / design.sensor.sample_rate_hz

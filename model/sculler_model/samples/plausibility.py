@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sculler_model.design import Design
 from sculler_model.samples.quantiser import INPUT_COLUMNS
 
-Counts = NDArray[Any]
+Samples = NDArray[Any]
 """(N, 6) samples in counts."""
 
 FindingKind = Literal["zero", "frozen", "stuck", "rail", "spike"]
@@ -86,8 +86,8 @@ class Plausibility:
         self._look_at_rails = rails
         self._long = max(_MANY, round(_LONG * rate))
         self._frozen = max(_MANY, round(_FROZEN * rate))
-        self._waiting: list[tuple[Counts, NDArray[np.float64] | None]] = []
-        self._rows: Counts = np.zeros((0, 6))  # the last ones looked at
+        self._waiting: list[tuple[Samples, NDArray[np.float64] | None]] = []
+        self._rows: Samples = np.zeros((0, 6))  # the last ones looked at
         self._columns = self._rows.T
         self._times: NDArray[np.float64] | None = None
         self._first = 0  # number of the first of them
@@ -100,7 +100,7 @@ class Plausibility:
         self._rail_first: list[Finding | None] = [None] * 6
         self._spiked: set[tuple[int, int]] = set()
 
-    def __call__(self, counts: Counts, times: NDArray[np.float64] | None = None) -> None:
+    def __call__(self, counts: Samples, times: NDArray[np.float64] | None = None) -> None:
         """Look at the next samples.
 
         Args:
@@ -243,7 +243,7 @@ def _stands_out(values: NDArray[np.float64], at: int) -> bool:
     return size > _SPIKE * max(float(off.max()), 1.0)
 
 
-def _noise(rows: Counts) -> NDArray[np.bool_]:
+def _noise(rows: Samples) -> NDArray[np.bool_]:
     """(6,) which columns show noise."""
     if len(rows) < _MANY:
         return np.zeros(6, np.bool_)

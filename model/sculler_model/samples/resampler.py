@@ -37,10 +37,11 @@ _ON_GRID = 1e-6  # of the interval: a stamp this close before a grid point reach
 class Gridded(NamedTuple):
     """Consecutive samples on the grid.
 
-    `values` is (N, C): increments over the N steps of the grid, or rates at N of its points.
-    `faults` is (N,), 1 where a faulty sample or step took part.  `times` is (N,), s on the scale of
-    the given stamps: the ends of the steps, or the instants of the rates (of means over a step
-    its middle).
+    Attributes:
+        values: (N, C) increments over the N steps of the grid, or rates at N of its points.
+        faults: (N,) 1 where a faulty sample or step took part.
+        times: (N,) s on the scale of the given stamps: the ends of the steps, or the instants of
+            the rates (of means over a step its middle).
     """
 
     values: NDArray[np.float64]

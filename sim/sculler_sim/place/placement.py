@@ -194,7 +194,7 @@ class Placer:
         tools = [YOSYS, *([NEXTPNR[device.family]] if device.routed else [])]
         self.tools = {tool.package: tool.version() for tool in tools}
         self.generated: Generated = generate(design)
-        self.blocks = self.generated.manifest.blocks or ()
+        self.blocks = self.generated.manifest.block_groups or ()
         self._once = Lock()
         self._synthesis: Synthesis | None = None
 

@@ -11,8 +11,8 @@ import pytest
 from host_path import attitude_error, chained, fine_design, through_core
 from sculler_model.analysis.frequency import (
     Cone,
+    Oscillation,
     Scull,
-    Vibration,
     drift,
     fine,
     fits,
@@ -51,7 +51,7 @@ DESIGNS = {
 
 @pytest.mark.parametrize("vibration", [CONE, SCULL], ids=["coning", "sculling"])
 @pytest.mark.parametrize("name", DESIGNS)
-def test_integers_leave_what_the_closed_form_says(name: str, vibration: Vibration) -> None:
+def test_integers_leave_what_the_closed_form_says(name: str, vibration: Oscillation) -> None:
     design = fine(DESIGNS[name], vibration, 400.0)
     for hertz in (90.0, 237.0, 390.0):
         point = integer_point(design, vibration, hertz)
@@ -63,7 +63,7 @@ def test_integers_leave_what_the_closed_form_says(name: str, vibration: Vibratio
 
 
 @pytest.mark.parametrize("vibration", [CONE, SCULL], ids=["coning", "sculling"])
-def test_published_laws_come_out_of_the_integers(vibration: Vibration) -> None:
+def test_published_laws_come_out_of_the_integers(vibration: Oscillation) -> None:
     for samples, constant in ((2, Fraction(1, 30)), (3, Fraction(3, 280)), (4, Fraction(1, 315))):
         found = law(fine_design(samples, minors=2), vibration)
         assert (found.constant, found.order) == (-constant, 2 * samples + 1)
@@ -133,7 +133,7 @@ def test_a_thousand_frequencies_at_once() -> None:
 
 @pytest.mark.parametrize("name", ["n=2", "rate n=2"])
 @pytest.mark.parametrize("vibration", [CONE, SCULL], ids=["coning", "sculling"])
-def test_fits_tells_what_the_quantiser_would_refuse(name: str, vibration: Vibration) -> None:
+def test_fits_tells_what_the_quantiser_would_refuse(name: str, vibration: Oscillation) -> None:
     design = fine(DESIGNS[name], vibration, 100.0)
     assert fits(design, vibration, 100.0)
     integer_point(design, vibration, 100.0)
@@ -149,7 +149,7 @@ SINC = {"kind": "sinc", "width_samples": 1.0}
 
 
 @pytest.mark.parametrize("vibration", [CONE, SCULL], ids=["coning", "sculling"])
-def test_tuned_designs_are_studied_behind_their_filter(vibration: Vibration) -> None:
+def test_tuned_designs_are_studied_behind_their_filter(vibration: Oscillation) -> None:
     """Rates tuned to sinc are Zeng's filtered rates; increments behind a wide mean too."""
     data = fine_design(2, minors=2, kind="rate").as_json()
     data["algorithm"] |= {"family": "tuned", "filter": [SINC]}

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from rich.table import Table
 
-    from sculler_model.analysis.frequency import Vibration
+    from sculler_model.analysis.frequency import Oscillation
     from sculler_model.design import Design
 
     Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ class Kind:
 
 def study(
     kind: Kind,
-    vibration: Vibration,
+    vibration: Oscillation,
     designs: Mapping[str, Design],
     own_sensor: Mapping[str, bool],
     band: tuple[float, float | None],
@@ -153,7 +153,7 @@ def _check_band(low: float, high: float, nyquist: Mapping[str, float]) -> None:
 
 def _integer_points(
     design: Design,
-    vibration: Vibration,
+    vibration: Oscillation,
     own_sensor: bool,
     low: float,
     high: float,

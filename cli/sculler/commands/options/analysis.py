@@ -13,7 +13,7 @@ from sculler.commands.analyze import subjects
 
 if TYPE_CHECKING:
     from sculler.commands.analyze.frequency import Kind
-    from sculler_model.analysis.frequency import Vibration
+    from sculler_model.analysis.frequency import Oscillation
 
 
 def frequency_options(
@@ -74,7 +74,7 @@ def frequency_options(
 
 def run_frequency_study(
     kind: Kind,
-    vibration: Vibration,
+    vibration: Oscillation,
     output: Path | None,
     as_json: bool,
     low: float,

@@ -1,9 +1,9 @@
-"""Options of `navigate` that describe gravity and the sensors, and what they stand for."""
+"""Options of `navigate`, in groups, and what they ask for as a `Plan`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import degrees, radians
+from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -12,41 +12,131 @@ import click
 from sculler import terminal
 
 if TYPE_CHECKING:
-    from sculler_model.navigation import Alignment, FineAlignment, Gravity, SensorNoise
+    from sculler.runs.navigation import Given, Plan
+    from sculler_model.design import Design
+    from sculler_model.navigation import SensorNoise
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+Options = Mapping[str, Any]
+"""The verb's options by their names in Python."""
 
-GRAVITY_COLUMNS = ("lat_deg", "height_m", "gravity")
-_MOST_POINTS = 1_000_000
+_ANGLES = ("roll", "pitch", "heading")
+_VELOCITIES = ("vn", "ve", "vd")
+_PLACE = ("lat", "lon", "height")
+_NOISE = ("gyro_noise", "accel_noise", "gyro_bias_sigma", "accel_bias_sigma")
 
-_NOISE = (
-    (
-        "--gyro-noise",
-        "DEG/SQRT(H)",
-        "Random walk of each gyro, for --align; the window shows it if left out.",
+
+def _numbers(*described: tuple[str, str], **settings: Any) -> list[Callable[[Command], Command]]:
+    """Options that take a number each: flag and help."""
+    return [
+        click.option(flag, type=terminal.number_type(), help=text, **settings)
+        for flag, text in described
+    ]
+
+
+def _group(*options: Callable[[Command], Command]) -> Callable[[Command], Command]:
+    """Options in the order of the help."""
+
+    def decorate(command: Command) -> Command:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+initial_state_options = _group(
+    *_numbers(
+        ("--lat", "Initial geodetic latitude, degrees north."),
+        ("--lon", "Initial longitude, degrees east."),
+        ("--height", "Initial height over the ellipsoid, m."),
+        ("--roll", "Initial roll, degrees; 0 if left out."),
+        ("--pitch", "Initial pitch, degrees, nose up; 0 if left out."),
+        ("--heading", "Initial heading, degrees from north to east; 0 if left out."),
+        ("--vn", "Initial velocity north, m/s; 0 if left out."),
+        ("--ve", "Initial velocity east, m/s; 0 if left out."),
+        ("--vd", "Initial velocity down, m/s; 0 if left out."),
+    )
+)
+"""Where and how the run begins."""
+
+span_options = _group(
+    click.option(
+        "--start",
+        type=terminal.number_type(),
+        metavar="SECONDS",
+        help="Begin at this time on the log's clock, the end of a major interval, and pass over"
+        " what comes before.",
     ),
-    (
-        "--accel-noise",
-        "M/S/SQRT(H)",
-        "Random walk of each accelerometer, for --align; the window shows it if left out.",
+    click.option(
+        "--stop",
+        type=terminal.number_type(),
+        metavar="SECONDS",
+        help="End with the last major interval that ends at this time or before.",
     ),
-    (
-        "--gyro-bias-sigma",
-        "DEG/H",
-        "How far a gyro's bias may be off (1 sigma); in no stated sigma if left out, for no window"
-        " shows it.",
-    ),
-    (
-        "--accel-bias-sigma",
-        "M/S^2",
-        "How far an accelerometer's bias may be off (1 sigma); likewise.",
+    terminal.breaks_option(
+        "Where a result does not follow the one before: refuse the vectors, or begin anew after the"
+        " break (from the truth, by aligning again, or by going on as before)."
     ),
 )
+"""Which of the vectors are navigated with."""
 
+alignment_options = _group(
+    click.option(
+        "--align",
+        type=terminal.number_type(0, above=True),
+        metavar="SECONDS",
+        help="Find the attitude from this long at rest at the beginning: levelled and"
+        " gyro-compassed.",
+    ),
+    click.option(
+        "--fine",
+        is_flag=True,
+        help="Refine --align by a Kalman filter, meant for navigation-grade sensors, and take out"
+        " the gyro bias that it finds.",
+    ),
+)
+"""How the attitude is found."""
 
-def gravity_option(command: Command) -> Command:
-    """`--gravity`."""
-    return click.option(
+carrier_options = _group(
+    click.option(
+        "--axes",
+        default="x,y,z",
+        metavar="MAP",
+        help='Sensor axes that point forward, right, down: "y,x,-z" for a unit right, forward, up.',
+    ),
+    click.option(
+        "--mechanisation",
+        type=click.Choice(["wander", "geographic"]),
+        default="wander",
+        show_default=True,
+        help="Wander azimuth, which works at the poles too, or north-pointing.",
+    ),
+    click.option(
+        "--position-every",
+        type=click.IntRange(min=1),
+        default=1,
+        show_default=True,
+        metavar="J",
+        help="Major intervals from one position update to the next (wander only).",
+    ),
+    click.option(
+        "--height-damping",
+        type=terminal.number_type(0, above=True),
+        metavar="SECONDS",
+        help="Hold the height to the initial one by a third-order loop with this time constant"
+        " (wander only).",
+    ),
+    click.option(
+        "--third-order",
+        is_flag=True,
+        help="Correct the rotation vectors for the triple products of smooth manoeuvres.",
+    ),
+)
+"""What carries the state, and how."""
+
+sensor_options = _group(
+    click.option(
         "--gravity",
         "gravity",
         default="normal",
@@ -54,154 +144,122 @@ def gravity_option(command: Command) -> Command:
         metavar="normal|constant[:G]|FILE",
         help="Gravity to navigate by: the normal field of WGS-84, one value everywhere (9.80665, or"
         " G in m/s^2), or a CSV lat_deg,height_m,gravity: a grid, a profile or one measured point.",
-    )(command)
-
-
-def noise_options(command: Command) -> Command:
-    """What is known of the sensors."""
-    for flag, metavar, text in reversed(_NOISE):
-        command = click.option(flag, type=terminal.number_type(0), metavar=metavar, help=text)(
-            command
+    ),
+    *(
+        click.option(flag, type=terminal.number_type(0), metavar=metavar, help=text)
+        for flag, metavar, text in (
+            (
+                "--gyro-noise",
+                "DEG/SQRT(H)",
+                "Random walk of each gyro, for --align; the window shows it if left out.",
+            ),
+            (
+                "--accel-noise",
+                "M/S/SQRT(H)",
+                "Random walk of each accelerometer, for --align; the window shows it if left out.",
+            ),
+            (
+                "--gyro-bias-sigma",
+                "DEG/H",
+                "How far a gyro's bias may be off (1 sigma); in no stated sigma if left out, for no"
+                " window shows it.",
+            ),
+            (
+                "--accel-bias-sigma",
+                "M/S^2",
+                "How far an accelerometer's bias may be off (1 sigma); likewise.",
+            ),
         )
-    return command
+    ),
+)
+"""Gravity, and what is known of the sensors."""
 
 
-def gravity_model(text: str) -> Gravity:
-    """The model that `--gravity` asks for.
+def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> Plan:
+    """What the options ask for.
+
+    Args:
+        design: the design.
+        vectors: the file of vectors.
+        truth: the file to hold the run against, which can tell where it begins.
+        options: the verb's, of all groups above.
 
     Raises:
-        InputError: it is none, or the table has a fault.
+        UsageError: options contradict each other, or one is missing.
+        InputError: one of them has a fault.
     """
-    from sculler_model.errors import InputError
-    from sculler_model.navigation import NORMAL, constant_gravity
+    from sculler.formats.gravity import gravity_model
+    from sculler.runs.navigation import Carrier, Plan
+    from sculler_model.frames import AxisMap
 
-    if text == "normal":
-        return NORMAL
-    if text == "constant":
-        return constant_gravity()
-    if text.startswith("constant:"):
-        try:
-            value = float(text.removeprefix("constant:"))
-        except ValueError:
-            raise InputError(
-                f"--gravity {text}: not a number, give m/s² as in constant:9.81"
-            ) from None
-        return constant_gravity(value)
-    return read_gravity_table(Path(text))
-
-
-def read_gravity_table(path: Path) -> Gravity:
-    """Gravity at the points of a CSV with the columns `GRAVITY_COLUMNS`, in any order of rows.
-
-    The points are all pairs of some latitudes and some heights; one latitude is a profile over
-    height, one point a measured local gravity.
-
-    Raises:
-        InputError: it cannot be read, is not such a grid, or its values are no gravity.
-    """
-    import numpy as np
-
-    from sculler.readers.text import Column, number_rows, open_text
-    from sculler_model.errors import InputError
-    from sculler_model.navigation import table_of_gravity
-
-    if not path.is_file():
-        raise InputError(
-            f"--gravity {path}: no such file, give one, or normal, constant or constant:9.81"
-        )
-    with open_text(path) as file:
-        names = [name.strip() for name in file.readline(1000).rstrip("\n").split(",")]
-        missing = [name for name in GRAVITY_COLUMNS if name not in names]
-        if missing:
-            raise InputError(
-                f"{path}: no column {missing[0]}, give the header {','.join(GRAVITY_COLUMNS)}"
-            )
-        columns = [Column(name, names.index(name)) for name in GRAVITY_COLUMNS]
-        parts: list[Any] = []
-        for rows in number_rows(file, path, 2, columns, ",", terminal.silent):
-            parts.append(rows.values)
-            if sum(map(len, parts)) > _MOST_POINTS:
-                raise InputError(f"{path}: more than {_MOST_POINTS:,} points, give fewer")
-    lat, height, value = np.concatenate(parts).T
-    lats, i = np.unique(lat, return_inverse=True)
-    heights, j = np.unique(height, return_inverse=True)
-    if len(lats) * len(heights) > _MOST_POINTS:
-        raise InputError(f"{path}: more than {_MOST_POINTS:,} points in the grid, give fewer")
-    counts = np.zeros((len(lats), len(heights)), np.int64)
-    np.add.at(counts, (i, j), 1)
-    if (counts != 1).any():
-        row, column = np.argwhere(counts != 1)[0]
-        word = "missing" if counts[row, column] == 0 else "there more than once"
-        raise InputError(
-            f"{path}: the point at latitude {lats[row]:g}°, height {heights[column]:g} m is {word};"
-            " give every pair of the latitudes and heights once"
-        )
-    grid = np.empty(counts.shape)
-    grid[i, j] = value
-    try:
-        return table_of_gravity(np.radians(lats), heights, grid)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+    axes = AxisMap.parse(options["axes"])
+    _refuse_contradictions(options)
+    noise, gravity = sensor_noise(options), gravity_model(options["gravity"])
+    start, stop = options["start"], options["stop"]
+    if start is not None and stop is not None and not stop > start:
+        raise click.UsageError(f"--stop {stop:g} is not after --start {start:g}, give a later time")
+    if truth is None:
+        for name in _PLACE:
+            if options[name] is None:
+                raise click.UsageError(
+                    f"Missing option '--{name}' (or --truth, which says where the run begins)"
+                )
+    carrier = Carrier(
+        options["mechanisation"], options["position_every"], options["height_damping"]
+    )
+    return Plan(
+        design,
+        vectors,
+        _given(options),
+        carrier,
+        axes,
+        start=start,
+        stop=stop,
+        align=options["align"],
+        fine=options["fine"],
+        third_order=options["third_order"],
+        split=options["breaks"] == "split",
+        gravity=gravity,
+        noise=noise,
+    )
 
 
-def refuse_noise_without(align_seconds: float | None, known: Mapping[str, float | None]) -> None:
-    """Noise is for the alignment only.
-
-    Raises:
-        UsageError: it is given without one.
-    """
-    for name, value in known.items():
-        if value is not None and align_seconds is None:
+def _refuse_contradictions(options: Options) -> None:
+    aligned = options["align"] is not None
+    if aligned:
+        for name in (*_ANGLES, *_VELOCITIES):
+            if options[name] is not None:
+                raise click.UsageError(f"--{name} and --align contradict each other, give one")
+        if options["start"] is not None:
+            raise click.UsageError("--start and --align contradict each other, give one")
+    if options["fine"] and not aligned:
+        raise click.UsageError("--fine refines --align, give that too")
+    for name in _NOISE:
+        if options[name] is not None and not aligned:
             raise click.UsageError(f"--{name.replace('_', '-')} is for --align, give that too")
 
 
-def sensor_noise(
-    gyro_noise: float | None,
-    accel_noise: float | None,
-    gyro_bias_sigma: float | None,
-    accel_bias_sigma: float | None,
-) -> SensorNoise:
+def sensor_noise(options: Options) -> SensorNoise:
     """What the options say of the sensors, in SI."""
     from sculler_model.navigation import SensorNoise
 
+    gyro, accel, gyro_bias, accel_bias = (options[name] for name in _NOISE)
     return SensorNoise(
-        angle_random_walk=None if gyro_noise is None else radians(gyro_noise) / 60,
-        velocity_random_walk=None if accel_noise is None else accel_noise / 60,
-        gyro_bias=None if gyro_bias_sigma is None else radians(gyro_bias_sigma) / 3600,
-        accel_bias=accel_bias_sigma,
+        angle_random_walk=None if gyro is None else radians(gyro) / 60,
+        velocity_random_walk=None if accel is None else accel / 60,
+        gyro_bias=None if gyro_bias is None else radians(gyro_bias) / 3600,
+        accel_bias=accel_bias,
     )
 
 
-def sigma_facts(found: Alignment | FineAlignment, noise: SensorNoise) -> dict[str, Any]:
-    """Told sigmas of an alignment, and the noise that they come from, as plain data."""
-    roll, pitch, heading = map(degrees, found.euler_sigma)
-    return {
-        "sigma_deg": {"roll": roll, "pitch": pitch, "heading": heading},
-        "heading_sigma_deg": degrees(found.sigma[2]),
-        "noise": {
-            "gyro_deg_per_sqrt_h": degrees(noise.angle_random_walk or 0.0) * 60,
-            "accel_m_per_s_per_sqrt_h": (noise.velocity_random_walk or 0.0) * 60,
-            "gyro_bias_sigma_deg_per_h": (
-                None if noise.gyro_bias is None else degrees(noise.gyro_bias) * 3600
-            ),
-            "accel_bias_sigma": noise.accel_bias,
-        },
-    }
+def _given(options: Options) -> Given:
+    """The initial state as the options tell it, as far as they do."""
+    from sculler.runs.navigation import Given
 
+    def inside(name: str) -> float | None:
+        return None if options[name] is None else radians(options[name])
 
-def sigmas_told(found: Mapping[str, Any]) -> str:
-    """The stated sigmas in words, and the noise behind them."""
-    angles = ", ".join(f"{name} {value:.2g}°" for name, value in found["sigma_deg"].items())
-    noise = found["noise"]
-    return (
-        f"1 σ: {angles}, by {noise['gyro_deg_per_sqrt_h']:.2g} °/√h and"
-        f" {noise['accel_m_per_s_per_sqrt_h']:.2g} m/s/√h"
-    )
-
-
-def biases_told(found: Mapping[str, Any]) -> str:
-    """What of the gyros' biases was looked for, in words."""
-    sigma = found["noise"]["gyro_bias_sigma_deg_per_h"]
-    if sigma is None:
-        return "of which about north alone was looked for (--gyro-bias-sigma: all three)"
-    return f"of {sigma:.2g} °/h (1 σ) to expect"
+    roll, pitch, heading = map(inside, _ANGLES)
+    north, east, down = (options[name] for name in _VELOCITIES)
+    place = (inside("lat"), inside("lon"), options["height"])
+    return Given((roll, pitch, heading), (north, east, down), place)

@@ -28,7 +28,6 @@ from sculler_hdl.plan.compact.scrolling import (
     W,
     Weight,
 )
-from sculler_hdl.plan.history import short_majors
 from sculler_model.design import AXES, STATUS_FAULT, STATUS_SHORT_HISTORY, ZERO_RANGE, Design
 
 
@@ -209,7 +208,7 @@ class Compiler:
 
     def _status(self) -> Block:
         bits = {STATUS_FAULT: When.FAULT}
-        if short_majors(self.design):
+        if self.design.short_majors:
             bits[STATUS_SHORT_HISTORY] = When.SHORT
         address = self.map.first_word("status")
         return self._block(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from sculler_hdl.plan.compact.digits import OPERAND, digit_count
 from sculler_hdl.plan.compact.instructions import Base, Instruction, Program, SampleWord, When
-from sculler_hdl.plan.history import short_majors
 from sculler_model.design import STATUS_RAIL, Interval
 from sculler_model.golden import WORD_BITS, Sample, words_per_column, words_per_result
 
@@ -55,7 +54,7 @@ class Interpreter:
             When.LATER_MAJOR: major > 0,
             When.NEXT_MAJOR: first_minor and major > 0,
             When.FAULT: bool(self.fault),
-            When.SHORT: major < short_majors(design),
+            When.SHORT: major < design.short_majors,
             When.FIRST_MINOR: first_minor,
             When.MAJOR_END: (self.t + 1) % length == 0,
         }

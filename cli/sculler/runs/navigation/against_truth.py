@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler import terminal
 from sculler.formats.history import Thinned
 from sculler.formats.truth import read_truth
+from sculler.units import MILES_PER_HOUR, NAMES, UNITS
+from sculler.words import plural, three_digits
 from sculler_model.errors import InputError
 from sculler_model.navigation import (
-    NAUTICAL_MILE,
     NORTH_EAST_DOWN,
     Comparison,
     Figures,
@@ -24,30 +24,7 @@ from sculler_model.navigation import (
     navigation_errors,
 )
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
 Array = NDArray[np.float64]
-
-ARCSEC = np.degrees(1) * 3600
-"""Arcseconds in a radian."""
-
-MILES_PER_HOUR = 3600 / NAUTICAL_MILE
-"""Nautical miles per hour in a metre per second."""
-
-UNITS = {
-    "attitude": ("arcsec", ARCSEC, "attitude_arcsec"),
-    "velocity": ("m/s", 1.0, "velocity_m_s"),
-    "position": ("m", 1.0, "position_m"),
-}
-"""By quantity: unit, how many of them an SI unit is, and the key in JSON."""
-
-NAMES = {
-    "attitude": ("tilt about north", "tilt about east", "heading", "in all"),
-    "velocity": ("north", "east", "down", "in all"),
-    "position": ("north", "east", "down", "horizontal"),
-}
-"""By quantity: its components north, east, down, and their sum."""
 
 
 class AgainstTruth:
@@ -133,6 +110,11 @@ class AgainstTruth:
         return data
 
     @property
+    def instants(self) -> int:
+        """How many instants run and truth have been compared at."""
+        return self._comparison.instants
+
+    @property
     def growth(self) -> float:
         """Growth of the horizontal error, m/s; see `Comparison.growth`."""
         return self._comparison.growth
@@ -158,21 +140,9 @@ def rows(errors: dict[str, Any]) -> list[tuple[str, ...]]:
         if key not in errors:  # the truth does not tell it
             continue
         for name, figures in zip(NAMES[quantity], errors[key].values(), strict=True):
-            numbers = (terminal.three_digits(figures[k]) for k in ("rms", "max", "final"))
+            numbers = (three_digits(figures[k]) for k in ("rms", "max", "final"))
             lines.append((f"{quantity}, {name}", unit, *numbers))
     return lines
-
-
-def table(errors: dict[str, Any]) -> Table:
-    """The table of errors for a terminal."""
-    from rich.table import Table
-
-    shown = Table(title="errors against the truth", title_justify="left")
-    for name in ("", "unit", "rms", "largest", "at the end"):
-        shown.add_column(name, justify="left" if name in ("", "unit") else "right")
-    for number, line in enumerate(rows(errors), start=1):
-        shown.add_row(*line, end_section=number % 4 == 0)
-    return shown
 
 
 def facts(errors: dict[str, Any]) -> dict[str, str]:
@@ -182,13 +152,11 @@ def facts(errors: dict[str, Any]) -> dict[str, str]:
         instants += f", {errors['interpolated']:,} of them by interpolation"
     shown = {"compared at": instants}
     if errors["rows_passed_over"]:
-        shown["truth passed over"] = (
-            f"{terminal.plural(errors['rows_passed_over'], 'row')} with NaN"
-        )
+        shown["truth passed over"] = f"{plural(errors['rows_passed_over'], 'row')} with NaN"
     if left := _left_out(errors):
         shown["left out"] = left
     if "horizontal_growth_nmi_per_h" in errors:
-        growth = terminal.three_digits(errors["horizontal_growth_nmi_per_h"])
+        growth = three_digits(errors["horizontal_growth_nmi_per_h"])
         shown["horizontal error"] = (
             f"grows {growth} nautical miles an hour (the line through zero that fits best)"
         )

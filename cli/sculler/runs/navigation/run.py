@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import isfinite
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,23 +12,19 @@ from numpy.typing import NDArray
 from sculler.checks.first_seconds import FirstSeconds
 from sculler.checks.oddities import Oddities
 from sculler.checks.vector_breaks import Break, begins_at, stretches
-from sculler.runs.against_truth import AgainstTruth
-from sculler.terminal import plural
-from sculler_model.design import STATUS_FAULT, STATUS_LOST, STATUS_RAIL, Design
+from sculler.runs.navigation.against_truth import AgainstTruth
+from sculler.runs.navigation.plan import Plan
+from sculler.words import plural
+from sculler_model.design import STATUS_FAULT, STATUS_LOST, STATUS_RAIL
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
-from sculler_model.frames import AxisMap, from_euler, to_euler
 from sculler_model.host import MajorIncrements, ThirdOrder, major_increments
 from sculler_model.navigation import (
-    ESTIMATED,
-    NORMAL,
     Alignment,
     FineAlignment,
-    Gravity,
     Mechanisation,
     NavHistory,
     NavState,
-    SensorNoise,
     align,
     align_finely,
     coasted,
@@ -37,7 +32,6 @@ from sculler_model.navigation import (
 )
 
 Array = NDArray[np.float64]
-Three = tuple[float | None, float | None, float | None]
 
 STATUSES = {
     "fault_results": (STATUS_FAULT, "with faulty samples (status bit 1)"),
@@ -53,93 +47,6 @@ CARRIED = "attitude and velocity are taken over it, the position goes on with th
 
 BREAKS_TOLD = 5
 """Breaks that get a warning of their own; the others are counted."""
-
-
-class Given(NamedTuple):
-    """What the user says of the initial state; None for what is left out.
-
-    Attributes:
-        angles: roll, pitch, heading, rad.
-        velocity: north, east, down, m/s.
-        place: lat (rad), lon (rad), height (m).
-    """
-
-    angles: Three
-    velocity: Three
-    place: Three
-
-    def state(self, time: float, origin: NavState | None) -> NavState:
-        """The initial state: as given, else as another tells, else level and still.
-
-        Args:
-            time: s.
-            origin: the other state, NaN for what it does not tell.
-
-        Raises:
-            InputError: nobody tells the position.
-        """
-        level: tuple[float, float, float] = (0.0, 0.0, 0.0)
-        told = origin is not None and isfinite(origin.q[0])
-        q = origin.q if origin is not None and told else (1.0, 0.0, 0.0, 0.0)
-        if any(angle is not None for angle in self.angles):
-            q = from_euler(*_filled(self.angles, to_euler(q)))
-        moving = origin is not None and isfinite(origin.v[0])
-        v = _filled(self.velocity, origin.v if origin is not None and moving else level)
-        lat, lon, h = self.position(origin)
-        return NavState(time, q, v, lat, lon, h)
-
-    def position(self, origin: NavState | None) -> tuple[float, float, float]:
-        """Latitude, longitude (rad) and height (m); see `state`."""
-        there = (None, None, None) if origin is None else (origin.lat, origin.lon, origin.h)
-        place = [b if a is None else a for a, b in zip(self.place, there, strict=True)]
-        for name, value in zip(("lat", "lon", "height"), place, strict=True):
-            if value is None or not isfinite(value):
-                raise InputError(
-                    f"--{name}: missing, for the truth tells no position; say where the run begins"
-                )
-        lat, lon, h = (float(value or 0.0) for value in place)
-        return lat, lon, h
-
-
-def _filled(given: Three, other: tuple[float, float, float]) -> tuple[float, float, float]:
-    a, b, c = (y if x is None else x for x, y in zip(given, other, strict=True))
-    return a, b, c
-
-
-@dataclass(frozen=True)
-class Plan:
-    """How to run.
-
-    Attributes:
-        design: the design.
-        name: of the vectors, for messages.
-        given: what is said of the initial state.
-        mechanisation: makes what carries the state, of its first state and the height (m) that
-            the run began with.
-        axes: from the sensor's axes to the body's.
-        start, stop: the run's first and last instant (s), ends of major intervals; None for the
-            first possible, the last.
-        align: seconds of alignment at rest at the beginning; None for none.
-        fine: refine it.
-        third_order: correct φ by `ThirdOrder`.
-        split: begin anew after a break, which else is refused.
-        gravity: the model of gravity.
-        noise: what is known of the sensors, for the alignment.
-    """
-
-    design: Design
-    name: str
-    given: Given
-    mechanisation: Callable[[NavState, float], Mechanisation]
-    axes: AxisMap
-    start: float | None = None
-    stop: float | None = None
-    align: float | None = None
-    fine: bool = False
-    third_order: bool = False
-    split: bool = False
-    gravity: Gravity = NORMAL
-    noise: SensorNoise = ESTIMATED
 
 
 @dataclass
@@ -363,12 +270,12 @@ class NavigationRun:
 
     def _go(self, state: NavState) -> None:
         """Navigate from a state on."""
+        plan = self._plan
         if self.seen.start is None:
             self.seen.start = state
-            if self._plan.align is None:  # which looks at the force itself
-                plan = self._plan
+            if plan.align is None:  # which looks at the force itself
                 self._first = FirstSeconds(state, self._T, plan.gravity, plan.axes)
-        self._navigator = self._plan.mechanisation(state, self.seen.start.h)
+        self._navigator = plan.carrier.begin(state, self._T, self.seen.start.h, plan.gravity)
         self.seen.end = state
         self._show(NavHistory.from_states([state]))
 

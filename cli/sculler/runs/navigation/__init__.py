@@ -1,0 +1,19 @@
+"""A file of vectors navigated: from a plan to files, pictures and an `Outcome`."""
+
+from sculler.runs.navigation.against_truth import AgainstTruth
+from sculler.runs.navigation.files import navigate_file
+from sculler.runs.navigation.outcome import Outcome
+from sculler.runs.navigation.plan import Carrier, Given, Plan
+from sculler.runs.navigation.run import STATUSES, NavigationRun, Seen
+
+__all__ = [
+    "STATUSES",
+    "AgainstTruth",
+    "Carrier",
+    "Given",
+    "NavigationRun",
+    "Outcome",
+    "Plan",
+    "Seen",
+    "navigate_file",
+]

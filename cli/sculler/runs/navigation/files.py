@@ -1,0 +1,101 @@
+"""Vectors from a file, states to a file, pictures beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from math import degrees
+from pathlib import Path
+
+from sculler.formats.history import HistoryWriter, Thinned
+from sculler.formats.vectors import read_vectors
+from sculler.plots import pictures as plots
+from sculler.plots.truth import truth_picture_paths, truth_pictures
+from sculler.runs.navigation.against_truth import AgainstTruth
+from sculler.runs.navigation.outcome import Outcome
+from sculler.runs.navigation.plan import Plan
+from sculler.runs.navigation.run import NavigationRun, Seen
+from sculler.words import Advance, silent
+from sculler_model import inputs
+from sculler_model.fast import VectorBlock
+from sculler_model.navigation import NavHistory
+from sculler_model.outputs import replacing
+
+
+def navigate_file(
+    plan: Plan,
+    output: Path,
+    *,
+    truth: Path | None = None,
+    pictures: bool = True,
+    advance: Advance = silent,
+) -> Outcome:
+    """Navigate with the plan's vectors and write the states.
+
+    Args:
+        plan: what to run, and how; its `name` is the vectors file, `-` for stdin.
+        output: CSV of the states, at the start and at the end of every major interval; it appears
+            whole or not at all.
+        truth: a file to hold the run against; what the plan leaves out of the initial state comes
+            from it.
+        pictures: draw them beside the output, where matplotlib is there; else the outcome says so.
+        advance: told the number of results that went by.
+
+    Raises:
+        InputError: a file has a fault, or the run cannot be made (see `NavigationRun.take`).
+    """
+    no_pictures = _claim_pictures(output, truth is not None) if pictures else None
+    reference = None if truth is None else AgainstTruth(truth, plan.design.major_interval)
+    shown = Thinned()
+    with replacing(output) as temporary, HistoryWriter(temporary, wander=True) as writer:
+
+        def sink(part: NavHistory) -> None:
+            writer.write(part)
+            shown.add(part)
+
+        run = NavigationRun(plan, sink, reference)
+        blocks = read_vectors(plan.name, plan.design, missing=True)
+        run.take(_advancing(blocks, advance))
+    drawn = None
+    if pictures and no_pictures is None:
+        drawn = _draw(output, shown, run.seen, reference)
+    return Outcome.of(plan, output, run.seen, reference, drawn, no_pictures)
+
+
+def results_in(vectors: str) -> int | None:
+    """Results in a vectors file, for progress; None where it cannot be told beforehand."""
+    path = Path(vectors)
+    if not path.is_file():  # a pipe can be read but once
+        return None
+    try:
+        with path.open("rb") as file:
+            return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 16), b"")) - 1
+    except OSError:  # told where it is read
+        return None
+
+
+def _advancing(blocks: Iterable[VectorBlock], advance: Advance) -> Iterator[VectorBlock]:
+    """The same blocks; tells how many results went by."""
+    for block in blocks:
+        yield block
+        advance(len(block))
+
+
+def _claim_pictures(output: Path, with_truth: bool) -> str | None:
+    """Set the pictures' files aside; or why there will be none, in a line."""
+    reason = plots.left_out()
+    if reason is None:
+        beside = truth_picture_paths(output) if with_truth else []
+        for path in [*plots.navigation_picture_paths(output), *beside]:
+            inputs.claim(path)
+    return reason
+
+
+def _draw(output: Path, shown: Thinned, seen: Seen, reference: AgainstTruth | None) -> list[Path]:
+    """The pictures' files."""
+    found = seen.fine or seen.alignment
+    euler = None if found is None else [degrees(sigma) for sigma in found.euler_sigma]
+    drawn = plots.navigation_pictures(shown.history(), output, euler)
+    if reference is not None and reference.instants > 1:
+        sigma = None if found is None else found.sigma
+        drawn += truth_pictures(*reference.shown(), reference.growth, output, sigma)
+    return drawn

@@ -1,0 +1,159 @@
+"""What a run of the navigator is asked for: where it begins, what carries the state, and how."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import Literal, NamedTuple
+
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.frames import AxisMap, from_euler, to_euler
+from sculler_model.navigation import (
+    ESTIMATED,
+    NORMAL,
+    GeographicNavigator,
+    Gravity,
+    HeightDamping,
+    Mechanisation,
+    Navigator,
+    NavState,
+    SensorNoise,
+)
+
+Three = tuple[float | None, float | None, float | None]
+
+
+class Given(NamedTuple):
+    """What the user says of the initial state; None for what is left out.
+
+    Attributes:
+        angles: roll, pitch, heading, rad.
+        velocity: north, east, down, m/s.
+        place: lat (rad), lon (rad), height (m).
+    """
+
+    angles: Three
+    velocity: Three
+    place: Three
+
+    def state(self, time: float, origin: NavState | None) -> NavState:
+        """The initial state: as given, else as another tells, else level and still.
+
+        Args:
+            time: s.
+            origin: the other state, NaN for what it does not tell.
+
+        Raises:
+            InputError: nobody tells the position.
+        """
+        level: tuple[float, float, float] = (0.0, 0.0, 0.0)
+        told = origin is not None and isfinite(origin.q[0])
+        q = origin.q if origin is not None and told else (1.0, 0.0, 0.0, 0.0)
+        if any(angle is not None for angle in self.angles):
+            q = from_euler(*_filled(self.angles, to_euler(q)))
+        moving = origin is not None and isfinite(origin.v[0])
+        v = _filled(self.velocity, origin.v if origin is not None and moving else level)
+        lat, lon, h = self.position(origin)
+        return NavState(time, q, v, lat, lon, h)
+
+    def position(self, origin: NavState | None) -> tuple[float, float, float]:
+        """Latitude, longitude (rad) and height (m); see `state`."""
+        there = (None, None, None) if origin is None else (origin.lat, origin.lon, origin.h)
+        place = [b if a is None else a for a, b in zip(self.place, there, strict=True)]
+        for name, value in zip(("lat", "lon", "height"), place, strict=True):
+            if value is None or not isfinite(value):
+                raise InputError(
+                    f"--{name}: missing, for the truth tells no position; say where the run begins"
+                )
+        lat, lon, h = (float(value or 0.0) for value in place)
+        return lat, lon, h
+
+
+def _filled(given: Three, other: tuple[float, float, float]) -> tuple[float, float, float]:
+    a, b, c = (y if x is None else x for x, y in zip(given, other, strict=True))
+    return a, b, c
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """What carries the state.
+
+    Attributes:
+        mechanisation: wander azimuth, which works at the poles too, or north-pointing.
+        position_every: major intervals from one position update to the next (wander only).
+        height_damping: s, time constant of the loop that holds the height to the run's first one
+            (wander only); None for none.
+
+    Raises:
+        InputError: the north-pointing one with what only the other has.
+    """
+
+    mechanisation: Literal["wander", "geographic"] = "wander"
+    position_every: int = 1
+    height_damping: float | None = None
+
+    def __post_init__(self) -> None:
+        plain = self.position_every == 1 and self.height_damping is None
+        if self.mechanisation == "geographic" and not plain:
+            raise InputError(
+                "--position-every and --height-damping are for the wander azimuth, leave them out"
+                " or give --mechanisation wander"
+            )
+
+    def begin(
+        self, start: NavState, interval: float, reference_height: float, gravity: Gravity
+    ) -> Mechanisation:
+        """It, with a state.
+
+        Args:
+            start: the state.
+            interval: a major interval, s.
+            reference_height: to which a damped height is held, m.
+            gravity: the model.
+        """
+        if self.mechanisation == "geographic":
+            return GeographicNavigator(start, interval, gravity)
+        damping = self.height_damping
+        return Navigator(
+            start,
+            interval,
+            position_every=self.position_every,
+            height_damping=None if damping is None else HeightDamping(reference_height, damping),
+            gravity=gravity,
+        )
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How to navigate with a file of vectors.
+
+    Attributes:
+        design: the design.
+        name: of the vectors, for messages.
+        given: what is said of the initial state.
+        carrier: what carries the state.
+        axes: from the sensor's axes to the body's.
+        start, stop: the run's first and last instant (s), ends of major intervals; None for the
+            first possible, the last.
+        align: seconds of alignment at rest at the beginning; None for none.
+        fine: refine it.
+        third_order: correct φ by `ThirdOrder`.
+        split: begin anew after a break, which else is refused.
+        gravity: the model of gravity.
+        noise: what is known of the sensors, for the alignment.
+    """
+
+    design: Design
+    name: str
+    given: Given
+    carrier: Carrier
+    axes: AxisMap
+    start: float | None = None
+    stop: float | None = None
+    align: float | None = None
+    fine: bool = False
+    third_order: bool = False
+    split: bool = False
+    gravity: Gravity = NORMAL
+    noise: SensorNoise = ESTIMATED

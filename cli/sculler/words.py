@@ -1,0 +1,24 @@
+"""Words for numbers, and how long work tells how far it has come; nothing of a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+Advance = Callable[[int], None]
+"""Tell a progress bar that this much more is done."""
+
+
+def plural(count: int, thing: str) -> str:
+    """`1 sample`, `2,000 samples`."""
+    return f"{count:,} {thing}" + ("" if count == 1 else "s")
+
+
+def three_digits(value: float) -> str:
+    """1.5, 5,900, 0.000761: three significant digits, without an exponent where they are many."""
+    if abs(value) >= 1000:
+        return f"{float(f'{value:.3g}'):,.0f}"
+    return f"{value:.3g}"
+
+
+def silent(amount: int) -> None:
+    """An `Advance` that tells nobody."""

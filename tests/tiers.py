@@ -1,0 +1,98 @@
+"""Which of many designs a test runs on at every change, and which before a release.
+
+`make test` leaves out what is marked `deep`, `make test-deep` runs all.  A test over many designs
+takes at every change a pairwise cover of them: few designs in which every two features meet that
+meet in any of them, such as a target and a hand-over, or a width and a kind of table; and every
+family is among them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from itertools import combinations
+from typing import Any
+
+import pytest
+
+from sculler_model.algorithms import CLOSED_FORMS
+from sculler_model.design import Design
+
+Met = tuple[tuple[str, object], ...]
+
+
+def _widest(design: Design) -> int:
+    return max(design.sensor.gyro.bits, design.sensor.accel.bits)
+
+
+def _multipliers(design: Design) -> str:
+    """Of the compact core one is the rule; of the pipelined core as many as it takes."""
+    wanted = design.hardware.multipliers
+    return "as they come" if wanted is None else "some" if wanted else "none"
+
+
+def _table(design: Design) -> str:
+    """How the coefficients come about."""
+    family = design.algorithm.family
+    if family == "table":
+        return "given"
+    return "closed form" if family in CLOSED_FORMS else "solved for"
+
+
+FEATURES: dict[str, Callable[[Design], object]] = {
+    "target": lambda design: design.hardware.target,
+    "core": lambda design: design.hardware.core,
+    "handover": lambda design: design.hardware.handover,
+    "overrun": lambda design: design.hardware.overrun,
+    "multipliers": _multipliers,
+    "kind": lambda design: design.sensor.kind,
+    # a block takes 18 bits; sums of 24-bit products fit 64
+    "bits": lambda design: sum(_widest(design) > most for most in (18, 24)),
+    "table": _table,
+    "position": lambda design: design.high_resolution,
+    "history": lambda design: design.table.history >= design.algorithm.samples,
+    "dense": lambda design: len(design.table.active_phases) > 1,
+    "one minor": lambda design: design.algorithm.minors == 1,
+}
+"""What may make one core differ from another."""
+
+
+def met(design: Design) -> frozenset[Met]:
+    """Every two features of a design, and its family."""
+    features = [(name, of(design)) for name, of in FEATURES.items()]
+    return frozenset([*combinations(features, 2), (("family", design.algorithm.family),)])
+
+
+def _effort(design: Design) -> float:
+    """How long emitting and simulating its core takes, about."""
+    words = design.sensor.gyro.bits + design.sensor.accel.bits + 3 * design.algorithm.samples
+    return words + design.samples_per_major / 4 + 60 * (design.hardware.core == "pipelined")
+
+
+def cover(designs: Mapping[str, Design]) -> list[str]:
+    """Names of few designs in which everything is met that is met in any of them."""
+    offered = {name: met(design) for name, design in designs.items()}
+    missing: set[Met] = set().union(*offered.values())
+    chosen: list[str] = []
+    while missing:
+        best = max(offered, key=lambda name: len(offered[name] & missing) / _effort(designs[name]))
+        chosen.append(best)
+        missing -= offered[best]
+    return sorted(chosen, key=list(designs).index)
+
+
+def tiers(
+    designs: Mapping[str, Design], only: Collection[str] | None = None, also: Collection[str] = ()
+) -> list[Any]:
+    """Parameters of a test that goes over designs, those that need not run at every change deep.
+
+    Args:
+        designs: by name.
+        only: names of those to run at every change; their cover where it is left out.
+        also: names of more of them.
+    """
+    quick = {*(cover(designs) if only is None else only), *also}
+    assert quick <= set(designs)
+    return [
+        pytest.param(design, id=name, marks=[] if name in quick else pytest.mark.deep)
+        for name, design in designs.items()
+    ]
