@@ -290,10 +290,19 @@ HEADINGS = (
 )
 
 PUBLISHED = (
-    ("attitude alone", "230 clocks at 50 MHz", "4.6 µs an update"),
-    ("full navigation", "980 clocks at 50 MHz", "19.6 µs an update"),
-    ("fixed-point Madgwick filter", "75 DSPs, Artix-7 -1", "fails 100 MHz"),
-    ("INS in software on a MicroBlaze", "-", "100 updates/s"),
+    ("attitude alone (source not at hand)", "230 clocks at 50 MHz", "4.6 µs an update"),
+    ("full navigation (source not at hand)", "980 clocks at 50 MHz", "19.6 µs an update"),
+    (
+        "fixed-point Madgwick filter (source not at hand)",
+        "75 DSPs, Artix-7 -1",
+        "fails 100 MHz",
+    ),
+    (
+        "GPS/INS in software on a MicroBlaze"
+        " ([Bhogadi 2015](../reference/bibliography.md#other-hardware))",
+        "Virtex-6",
+        "100 updates/s",
+    ),
 )
 """What is published of others: what it does, in what, how fast."""
 
@@ -454,7 +463,8 @@ def _beside(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
     yield documents.paragraph(
         "They are of other algorithms in other devices: those of attitude and navigation hold the"
         " whole update, ours the exact high-rate part of both, coning and sculling, with the"
-        " low-rate part left to the host. So only the orders of magnitude say something."
+        " low-rate part left to the host. So only the orders of magnitude say something. Where the"
+        " source is not at hand the figure could not be checked: do not cite it."
     )
     yield ""
     yield from documents.table("lll", ("what", "in", "time"), (*PUBLISHED, *_our_rows(placed)))

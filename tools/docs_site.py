@@ -131,7 +131,7 @@ def _option(option: click.Option, context: click.Context) -> list[str]:
     if record is None:
         return []
     names, text = record
-    return [f"`{names}`", "", f":   {_escaped(text)}", ""]
+    return [f"`{names}`", f":   {_escaped(text)}", ""]
 
 
 def _escaped(text: str) -> str:

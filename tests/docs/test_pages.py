@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -15,7 +16,10 @@ ROOT = Path(__file__).parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 READ = [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 RUNNING = [p for p in READ if any(b.language in RUN and not b.reason for b in blocks(p))]
-NOT_RUN = 30
+DEEP = {"check-in-ci", "choose-an-algorithm", "hold-against-a-truth", "simulate-a-log"}
+"""Pages that take long to run: whole simulations, pictures."""
+
+NOT_RUN = 25
 """Blocks of all pages that may be left out."""
 
 
@@ -37,7 +41,11 @@ def session(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Monkey
     return folder
 
 
-@pytest.mark.parametrize("page", RUNNING, ids=name)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(p, marks=pytest.mark.deep if p.stem in DEEP else ()) for p in RUNNING],
+    ids=name,
+)
 def test_a_page_runs(page: Path, session: Path) -> None:
     run_page(page, session)
 
@@ -45,6 +53,20 @@ def test_a_page_runs(page: Path, session: Path) -> None:
 def test_few_blocks_are_left_out_and_each_says_why() -> None:
     left_out = [(name(p), b.line, b.reason) for p in READ for b in blocks(p) if b.reason]
     assert len(left_out) <= NOT_RUN, left_out
+
+
+def test_no_command_hides_in_an_indented_block() -> None:
+    """Which would not be run; docs/tutorials/drive.md is run by tests/cli/test_real_input.py."""
+    hidden = [
+        f"{name(page)}: {line.strip()}"
+        for page in READ
+        if page.name != "drive.md"
+        for line in re.sub(
+            r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S
+        ).splitlines()
+        if re.match(r"(?:    |\t)\s*(?:\$ )?(?:sculler|make|pip|python\d?|import|from) \S", line)
+    ]
+    assert not hidden
 
 
 def test_every_block_says_what_it_is() -> None:
@@ -89,3 +111,25 @@ def test_what_a_page_prints_is_compared() -> None:
         ("one", "out\n", 0),
         ("two  more", "bad", 2),
     ]
+
+
+@pytest.mark.deep
+def test_the_site_is_built_without_warnings(tmp_path: Path) -> None:
+    """As `make docs` does, where what that installs is there; CI runs it everywhere."""
+    pytest.importorskip("mkdocs")
+    pytest.importorskip("mkdocstrings")
+    subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", tmp_path / "site"],
+        cwd=ROOT,
+        env={**os.environ, "NO_MKDOCS_2_WARNING": "1"},
+        check=True,
+    )
+    pages = [page.relative_to(ROOT / "docs").with_suffix(".html") for page in PAGES]
+    assert all((tmp_path / "site" / page).is_file() for page in pages)
+    for page in (tmp_path / "site").rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        fetched = re.findall(
+            r'<(?:script|img|link[^>]*stylesheet)[^>]*(?:src|href)="(http[^"]*)"', text
+        )
+        assert not fetched, page
+        assert "<!-- made:" not in text, page
