@@ -1,9 +1,10 @@
 """Which of many designs a test runs on at every change, and which before a release.
 
 `make test` leaves out what is marked `deep`, `make test-deep` runs all.  A test over many designs
-takes at every change a pairwise cover of them: few designs in which every two features meet that
-meet in any of them, such as a target and a hand-over, or a width and a kind of table; and every
-family is among them.
+takes at every change a cover of them: few designs that have every feature that any of them has.
+The generated bench, which holds all ports on all clocks, takes a pairwise cover: every two features
+that meet in any design, such as a target and a hand-over, or a width and a kind of table, meet in
+one of the few.  Every family is among them.
 """
 
 from __future__ import annotations
@@ -56,21 +57,22 @@ FEATURES: dict[str, Callable[[Design], object]] = {
 """What may make one core differ from another."""
 
 
-def met(design: Design) -> frozenset[Met]:
-    """Every two features of a design, and its family."""
+def met(design: Design, together: int) -> frozenset[Met]:
+    """Every feature of a design, or every two that meet; and its family."""
     features = [(name, of(design)) for name, of in FEATURES.items()]
-    return frozenset([*combinations(features, 2), (("family", design.algorithm.family),)])
+    return frozenset([*combinations(features, together), (("family", design.algorithm.family),)])
 
 
 def _effort(design: Design) -> float:
     """How long emitting and simulating its core takes, about."""
     words = design.sensor.gyro.bits + design.sensor.accel.bits + 3 * design.algorithm.samples
-    return words + design.samples_per_major / 4 + 60 * (design.hardware.core == "pipelined")
+    core = 60 * (design.hardware.core == "pipelined") * (3 if design.high_resolution else 1)
+    return words + design.samples_per_major / 4 + core
 
 
-def cover(designs: Mapping[str, Design]) -> list[str]:
+def cover(designs: Mapping[str, Design], together: int = 1) -> list[str]:
     """Names of few designs in which everything is met that is met in any of them."""
-    offered = {name: met(design) for name, design in designs.items()}
+    offered = {name: met(design, together) for name, design in designs.items()}
     missing: set[Met] = set().union(*offered.values())
     chosen: list[str] = []
     while missing:
@@ -81,18 +83,23 @@ def cover(designs: Mapping[str, Design]) -> list[str]:
 
 
 def tiers(
-    designs: Mapping[str, Design], only: Collection[str] | None = None, also: Collection[str] = ()
+    designs: Mapping[str, Design], also: Collection[str] = (), together: int = 1
 ) -> list[Any]:
-    """Parameters of a test that goes over designs, those that need not run at every change deep.
+    """Parameters of a test that goes over designs: what is not in their cover is deep.
 
     Args:
         designs: by name.
-        only: names of those to run at every change; their cover where it is left out.
-        also: names of more of them.
+        also: names of more of them to run at every change.
+        together: 2 for a pairwise cover.
     """
-    quick = {*(cover(designs) if only is None else only), *also}
-    assert quick <= set(designs)
+    return few_of(designs, [*cover(designs, together), *also])
+
+
+def few_of(cases: Mapping[str, Any] | Collection[Any], quick: Collection[Any]) -> list[Any]:
+    """Parameters of a test: the cases, or names, that are not among these are deep."""
+    assert set(quick) <= set(cases)
+    every = cases.items() if isinstance(cases, Mapping) else ((case, case) for case in cases)
     return [
-        pytest.param(design, id=name, marks=[] if name in quick else pytest.mark.deep)
-        for name, design in designs.items()
+        pytest.param(case, id=str(name), marks=[] if name in quick else pytest.mark.deep)
+        for name, case in every
     ]

@@ -97,7 +97,7 @@ def run_command(command: click.Command, arguments: Sequence[str] | None, name: s
         known = _known(error)
         if known is None:
             raise
-        return _complain(str(error), known)
+        return _complain(str(error) + _see_help(error, arguments, name), known)
     return status if isinstance(status, int) else 0
 
 
@@ -133,6 +133,16 @@ def _known(error: Exception) -> int | None:
         if module in sys.modules and isinstance(error, getattr(sys.modules[module], name)):
             return status
     return None
+
+
+def _see_help(error: Exception, arguments: Sequence[str] | None, name: str) -> str:
+    """Where to read which arguments go together, if it is that."""
+    errors = sys.modules.get("sculler_model.errors")
+    if errors is None or not isinstance(error, errors.ContradictionError):
+        return ""
+    words = sys.argv[1:] if arguments is None else arguments
+    verb = next((word for word in words if word in VERBS), None)
+    return f"; see '{name} {verb} --help'" if verb else ""
 
 
 def _complain(message: str, status: int = BAD_INPUT) -> int:

@@ -9,6 +9,10 @@ class InputError(ValueError):
     """
 
 
+class ContradictionError(InputError):
+    """Arguments that do not go together, whatever the files hold; the verb's help says which do."""
+
+
 class ToolError(RuntimeError):
     """A program that we need failed on what should have gone well.
 

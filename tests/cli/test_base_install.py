@@ -63,7 +63,10 @@ def run(folder: Path, command: str) -> tuple[int, str, str]:
         call = [sys.executable, "-m", "sculler", *words]
     else:
         call = [sys.executable, "-c", PROGRAM, *words]
-    done = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
+    environment = {name: value for name, value in os.environ.items() if name != "CXX"}
+    done = subprocess.run(
+        call, cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
     return done.returncode, done.stdout, done.stderr
 
 

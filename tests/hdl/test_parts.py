@@ -449,7 +449,9 @@ OPERANDS = [
 
 @pytest.mark.parametrize("folding", FOLDINGS, ids=lambda s: f"{s.steps} steps")
 @pytest.mark.parametrize(("bits", "limb", "target"), OPERANDS)
-@pytest.mark.parametrize(("lead", "inverted"), [(0, False), (3, True)])
+@pytest.mark.parametrize(
+    ("lead", "inverted"), [(0, False), pytest.param(3, True, marks=pytest.mark.deep)]
+)
 def test_cross_array(folding, bits, limb, target, lead, inverted):
     """Launches as close as they may be, a total restarted after every third."""
     ranges = [Interval.signed(width) for width in bits]

@@ -16,9 +16,10 @@ from sculler_hdl import describe_ports, generate
 from sculler_model.design import COLUMNS, Design
 from sculler_sim.engines.verilator_build import emitted
 from strategies import DESIGNS, with_hardware
+from tiers import tiers
 
 
-@pytest.fixture(params=DESIGNS.values(), ids=DESIGNS)
+@pytest.fixture(params=tiers(DESIGNS, also=["stim300_4x5"]))
 def design(request):
     return request.param
 

@@ -21,7 +21,8 @@ from sculler_model.frames import (
 )
 from sculler_model.host import MajorIncrements, velocity_rotation
 from sculler_model.motion import Curve, Motion, Turn, X, Y, Z, at_rest
-from sculler_model.navigation import SensorNoise, align, align_finely, euler_sigmas
+from sculler_model.navigation import SensorNoise, align, align_finely
+from sculler_model.navigation.attitude_estimate import euler_sigmas
 
 Array = NDArray[np.float64]
 

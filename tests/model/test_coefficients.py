@@ -20,14 +20,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sculler_model.algorithms import (
-    CLOSED_FORMS,
-    TapTable,
-    filtered_rate,
-    frequency_taylor,
-    newton_cotes,
-    solve_exactly,
-)
+from sculler_model.algorithms import TapTable, filtered_rate, frequency_taylor, newton_cotes
+from sculler_model.algorithms.tap_table import CLOSED_FORMS, solve_exactly
 from sculler_model.errors import InputError
 
 F = Fraction

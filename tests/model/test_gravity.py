@@ -19,13 +19,13 @@ from sculler_model.navigation import (
     Gravity,
     Navigator,
     align,
-    compiled_run,
     constant_gravity,
-    covers,
     exact_increments,
     gravity_at,
     table_of_gravity,
 )
+from sculler_model.navigation.compiled import compiled_run
+from sculler_model.navigation.gravity import covers
 
 A, GM, RATE = Decimal(6378137), Decimal("3.986004418e14"), Decimal("7.292115e-5")
 F = 1 / Decimal("298.257223563")

@@ -12,7 +12,8 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
-from sculler_model.samples import Gridded, Kind, Resampler, lagrange_weights
+from sculler_model.samples import Gridded, Kind, Resampler
+from sculler_model.samples.resampler import lagrange_weights
 
 T = 0.01
 CUBIC = Polynomial([0.3, -2.0, 7.0, -11.0])

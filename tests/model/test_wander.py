@@ -34,9 +34,9 @@ from sculler_model.navigation import (
     Navigator,
     NavState,
     exact_increments,
-    increments_in_inertial_space,
     navigate,
 )
+from sculler_model.navigation.exact import increments_in_inertial_space
 from sculler_model.navigation.wander import earth_at, geographic, level, travelled
 
 Array = NDArray[np.float64]

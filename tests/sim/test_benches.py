@@ -24,7 +24,7 @@ SHORT = ((1, 50), (2, 100))
 
 
 @pytest.mark.usefixtures("icarus")
-@pytest.mark.parametrize("design", tiers(BENCHES))
+@pytest.mark.parametrize("design", tiers(BENCHES, together=2))
 def test_the_bench_passes(design, tmp_path):
     long = design.hardware.core == "compact" and not design.drops_results
     run_bench(design, tmp_path, LEAST if long else SHORT)
@@ -32,8 +32,8 @@ def test_the_bench_passes(design, tmp_path):
 
 def test_every_two_features_meet_at_every_change():
     """Target and hand-over, width and kind of table, ...: what is in all is in the few."""
-    chosen = cover(BENCHES)
+    chosen = cover(BENCHES, together=2)
     assert len(chosen) <= 30
-    found = set().union(*(met(BENCHES[name]) for name in chosen))
+    found = set().union(*(met(BENCHES[name], 2) for name in chosen))
     for name, design in BENCHES.items():
-        assert met(design) <= found, name
+        assert met(design, 2) <= found, name

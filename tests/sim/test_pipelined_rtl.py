@@ -9,7 +9,7 @@ from rtl import check_files, check_resets, check_trace, clocks_of_major
 from sculler_hdl import timing
 from sculler_sim.stimulus import Stimulus
 from strategies import DESIGNS, on_cores, with_hardware
-from tiers import tiers
+from tiers import few_of, tiers
 
 pytestmark = pytest.mark.usefixtures("verilator")
 
@@ -39,7 +39,9 @@ def test_verilator_shows_on_every_clock_what_the_cycle_model_says(design):
     check_trace(design, "verilator", 40 * design.samples_per_major + 600, seeds=range(3))
 
 
-@pytest.mark.parametrize("name", [*SOME, "late_sum_2"])
+@pytest.mark.parametrize(
+    "name", few_of([*SOME, "late_sum_2"], ["taylor_3p3", "dense_odd_3", "late_sum_2"])
+)
 def test_amaranth_shows_on_every_clock_what_the_cycle_model_says(name):
     check_trace(DESIGNS[name], "amaranth", 600, seeds=[4], least=-1)
 
@@ -74,7 +76,9 @@ ON_ECP5 = {name: with_hardware(design, target="ecp5") for name, design in DESIGN
 # in very short and very long major intervals a second result wins no clocks
 ROOM_FOR_ONE = "savage_1p1 taylor_3p3 taylor_6p2 taylor_7p0 smallest late_sum_2".split()
 TWO_RESULTS = {name: design for name, design in ON_ECP5.items() if name not in ROOM_FOR_ONE}
-EACH_WITH_TWO = pytest.mark.parametrize("design", tiers(TWO_RESULTS, also=["stim300_4x5"]))
+EACH_WITH_TWO = pytest.mark.parametrize(
+    "design", few_of(TWO_RESULTS, ["stim300_4x5", "rate_1p0", "dense_odd_3"])
+)
 
 
 @EACH_WITH_TWO

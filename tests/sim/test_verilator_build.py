@@ -310,6 +310,7 @@ def test_a_library_that_cannot_be_loaded_is_named(own_cache):
 
 def test_the_harness_and_templates_are_part_of_the_package():
     """What a built distribution must hold (package-data in pyproject.toml)."""
-    folder = Path(verilator_build.__file__).parent
-    data = {path.suffix for path in folder.iterdir() if path.is_file()} - {".py", ".typed"}
+    folder = Path(verilator_build.__file__).parents[1]
+    files = [path for path in folder.rglob("*") if path.is_file()]
+    data = {path.suffix for path in files} - {".py", ".pyc", ".typed"}
     assert data == {".cpp", ".in"}

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from sculler_model.design import Design
     from sculler_model.motion import Motion, Vibration
 
-G = 9.80665  # m/s²
-
 PLACE = {"lat": 48.0, "lon": 11.0, "h": 500.0}
 """Where motions begin if nothing else is said, degrees and m."""
 
@@ -270,6 +268,7 @@ def _made(name: str, given: dict[str, float | None]) -> Motion:
 def _vibration(g: float, rate: float, band: str, lines: int, seed: int) -> Vibration | None:
     """The vibration of the options, if there is any."""
     from sculler_model.errors import InputError
+    from sculler_model.frames import STANDARD_GRAVITY
     from sculler_model.motion import Vibration
 
     low, _, high = band.partition("-")
@@ -279,7 +278,7 @@ def _vibration(g: float, rate: float, band: str, lines: int, seed: int) -> Vibra
         raise InputError(
             f'--vibration-band: "{band}" is not allowed, give LOW-HIGH in Hz'
         ) from None
-    shaking = Vibration(G * g, radians(rate), *edges, lines, seed)
+    shaking = Vibration(STANDARD_GRAVITY * g, radians(rate), *edges, lines, seed)
     return shaking if g or rate else None
 
 

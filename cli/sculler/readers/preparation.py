@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.formats.log import COUNTS
-from sculler.readers.recording import Recording, Samples
+from sculler.readers.recording import Recording, Samples, si_of_unit
 from sculler.readers.running_sums import Differences, SumsSuspicion
-from sculler.runs.conversion import si_of_unit
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import STANDARD_GRAVITY

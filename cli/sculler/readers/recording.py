@@ -17,7 +17,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler_model.design import Design
 from sculler_model.errors import InputError
+from sculler_model.frames import STANDARD_GRAVITY
 from sculler_model.samples import Kind
 
 if TYPE_CHECKING:
@@ -43,7 +45,6 @@ class Unit:
 
 
 _DEGREE = pi / 180
-_STANDARD_GRAVITY = 9.80665  # m/s², the g of data sheets
 
 GYRO_UNITS = {
     unit.name: unit
@@ -63,17 +64,17 @@ ACCEL_UNITS = {
         Unit("m/s", 1.0, "increment"),
         Unit("ft/s", 0.3048, "increment"),
         Unit("m/s2", 1.0, "rate"),
-        Unit("g", _STANDARD_GRAVITY, "rate"),
-        Unit("mg", _STANDARD_GRAVITY * 1e-3, "rate"),
+        Unit("g", STANDARD_GRAVITY, "rate"),
+        Unit("mg", STANDARD_GRAVITY * 1e-3, "rate"),
         Unit("counts", None, None),
     )
 }
 GYRO_BIAS_UNITS = {"rad/s": 1.0, "deg/s": _DEGREE, "deg/h": _DEGREE / 3600}
 ACCEL_BIAS_UNITS = {
     "m/s2": 1.0,
-    "g": _STANDARD_GRAVITY,
-    "mg": _STANDARD_GRAVITY * 1e-3,
-    "ug": _STANDARD_GRAVITY * 1e-6,
+    "g": STANDARD_GRAVITY,
+    "mg": STANDARD_GRAVITY * 1e-3,
+    "ug": STANDARD_GRAVITY * 1e-6,
 }
 ANGLE_UNITS = {
     "rad": 1.0,
@@ -190,3 +191,20 @@ def require_finite(path: Path, first: int, values: NDArray[Any], names: Sequence
         raise InputError(
             f"{path}: sample {first + row}: {names[at]} is {values[row, at]}, give a finite number"
         )
+
+
+def si_of_unit(design: Design, sensor: str, unit: Unit) -> float:
+    """SI value, in the design's kind, of one unit of a number; the interval turns rates and means.
+
+    Args:
+        design: gives kind, scales and sample interval.
+        sensor: `gyro` or `accel`.
+        unit: of the number.
+    """
+    if unit.si is None:
+        lsb: float = getattr(design.sensor, sensor).lsb
+        return lsb
+    if unit.kind in (None, design.sensor.kind):
+        return unit.si
+    T = design.sample_interval
+    return unit.si * T if unit.kind == "rate" else unit.si / T

@@ -25,14 +25,11 @@ from sculler_model.algorithms.integer_vectors import (
     vector_sum,
     whole_numbers,
 )
-from sculler_model.algorithms.lattice import closest_integers
-from sculler_model.algorithms.least_squares import Band, Fit, RotaryMode, fit, round_taps
+from sculler_model.algorithms.least_squares import Band, Fit, RotaryMode, fit
 from sculler_model.algorithms.pairs import (
-    Elimination,
     distance_sums,
     first_manoeuvre_error,
     manoeuvre_error,
-    pair_coefficients,
     tap_table,
 )
 from sculler_model.algorithms.response import Analogue, Digital, Measured, Response, Sinc, Stage
@@ -46,20 +43,17 @@ from sculler_model.algorithms.scrolling import (
     scrolling_weights_total,
 )
 from sculler_model.algorithms.tap_table import (
-    CLOSED_FORMS,
     MAX_SAMPLES,
     TapTable,
     filtered_rate,
     frequency_taylor,
     newton_cotes,
-    solve_exactly,
 )
-from sculler_model.algorithms.time_taylor import polynomial_fit, time_taylor
+from sculler_model.algorithms.time_taylor import time_taylor
 from sculler_model.algorithms.uncompressed import uncompress, uncompressed
 
 __all__ = [
     "BASES",
-    "CLOSED_FORMS",
     "FAMILIES",
     "MAX_SAMPLES",
     "SCROLLING_DENOMINATOR",
@@ -72,7 +66,6 @@ __all__ = [
     "Band",
     "Digital",
     "DoublyIntegrated",
-    "Elimination",
     "Fit",
     "HighResolution",
     "Made",
@@ -87,7 +80,6 @@ __all__ = [
     "Sum",
     "TapTable",
     "Vec",
-    "closest_integers",
     "cross",
     "distance_sums",
     "filtered_rate",
@@ -98,13 +90,9 @@ __all__ = [
     "make",
     "manoeuvre_error",
     "newton_cotes",
-    "pair_coefficients",
-    "polynomial_fit",
     "rational",
-    "round_taps",
     "scrolling_weight",
     "scrolling_weights_total",
-    "solve_exactly",
     "tap_table",
     "time_taylor",
     "times",

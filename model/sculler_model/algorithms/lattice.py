@@ -48,7 +48,7 @@ def closest_integers(form: Matrix, target: list[Decimal]) -> list[int]:
     y = [value / length for value, length in zip(forward, lengths, strict=True)]
     for i in reversed(range(size)):
         y[i] -= sum((mu[j][i] * y[j] for j in range(i + 1, size)), Decimal(0))
-    point = _search(mu, lengths, y)
+    point = search(mu, lengths, y)
     return [
         offset[i] + sum(c * row[i] for c, row in zip(point, basis, strict=True))
         for i in range(size)
@@ -110,7 +110,7 @@ def _reduce(form: Matrix) -> tuple[list[list[int]], Matrix]:
     return basis, gram
 
 
-def _search(mu: Matrix, lengths: list[Decimal], y: list[Decimal]) -> list[int]:
+def search(mu: Matrix, lengths: list[Decimal], y: list[Decimal]) -> list[int]:
     """Integers c with the least Σ_j lengths_j (c_j - y_j + Σ_{i>j} mu_ij (c_i - y_i))²."""
     size = len(y)
     best: list[int] = []

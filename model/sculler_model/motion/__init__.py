@@ -22,7 +22,7 @@ from sculler_model.motion.catalogue import (
     steady_turn,
     turn_motion,
 )
-from sculler_model.motion.curves import ZERO_CURVE, Curve, EvenPace, Smooth, Spline
+from sculler_model.motion.curves import Curve, EvenPace, Smooth, Spline
 from sculler_model.motion.earthbound import Motion
 from sculler_model.motion.flight_plan import Leg, flight
 from sculler_model.motion.inertial import Coning, Sculling, SpinAccel
@@ -33,7 +33,6 @@ from sculler_model.motion.turns import (
     Y,
     Z,
     attitude,
-    attitude_jet,
     coning_turns,
     euler_turns,
     steady_attitude,
@@ -44,7 +43,6 @@ __all__ = [
     "CHUNK",
     "MOTIONS",
     "PLACE",
-    "ZERO_CURVE",
     "Coning",
     "Curve",
     "EvenPace",
@@ -61,7 +59,6 @@ __all__ = [
     "Z",
     "at_rest",
     "attitude",
-    "attitude_jet",
     "coning",
     "coning_turns",
     "demo_motion",

@@ -9,7 +9,7 @@ from math import atan2, cos, pi, radians, sin
 from sculler_model.frames import from_dcm
 from sculler_model.motion.curves import Curve, EvenPace
 from sculler_model.motion.earthbound import Motion, earth_axis
-from sculler_model.motion.flight_plan import flight, seconds
+from sculler_model.motion.flight_plan import BANK_GRAVITY, flight, seconds
 from sculler_model.motion.turns import Turn, X, Z, coning_turns, euler_turns, steady_attitude
 
 PLACE = (radians(48.0), radians(11.0), 500.0)
@@ -52,7 +52,7 @@ def turn_motion(
     radius = speed / turn_rate
     sculling = 2 * pi * sculling_hz
     if bank is None:
-        bank = atan2(speed * turn_rate, 9.81)
+        bank = atan2(speed * turn_rate, BANK_GRAVITY)
     turns = [Turn(Z, Curve((0.0, turn_rate))), Turn(X, Curve((bank,)))]
     if coning_half_angle:
         turns += coning_turns(coning_half_angle, 2 * pi * coning_hz)

@@ -17,6 +17,9 @@ from sculler_model.motion.turns import euler_turns
 STEP = 5.0
 """Seconds between the control points."""
 
+BANK_GRAVITY = 9.81
+"""m/s², for the bank of a coordinated turn, which is nobody's truth."""
+
 
 class Leg(NamedTuple):
     """A part of a flight plan: speed, heading and height go evenly to their ends.
@@ -99,7 +102,7 @@ def flight(
             airborne = up[-1] > 1.0
             angles.append(
                 (
-                    atan2(middle * turn_rate, _GRAVITY),
+                    atan2(middle * turn_rate, BANK_GRAVITY),
                     (atan2(climb_rate, middle) + _RAISED if airborne else 0.0),
                     angles[-1][2] + turn_rate * STEP,
                 )
@@ -123,5 +126,4 @@ def seconds(plan: Sequence[Leg] = PLAN) -> float:
     return sum(leg.seconds for leg in plan)
 
 
-_GRAVITY = 9.81  # for the bank, which is nobody's truth
 _RAISED = radians(2.5)

@@ -6,7 +6,7 @@ those import.
 """
 
 from sculler_model.navigation.alignment import ESTIMATED, Alignment, align
-from sculler_model.navigation.attitude_estimate import AttitudeEstimate, euler_sigmas
+from sculler_model.navigation.attitude_estimate import AttitudeEstimate
 from sculler_model.navigation.coasting import coasted
 from sculler_model.navigation.comparison import Comparison, Figures, LeftOut, Start
 from sculler_model.navigation.compiled import compiled_run
@@ -17,14 +17,13 @@ from sculler_model.navigation.errors import (
     known_quantities,
     navigation_errors,
 )
-from sculler_model.navigation.exact import exact_increments, increments_in_inertial_space
+from sculler_model.navigation.exact import exact_increments
 from sculler_model.navigation.fine_alignment import FineAlignment, align_finely
 from sculler_model.navigation.geographic import GeographicNavigator
 from sculler_model.navigation.gravity import (
     NORMAL,
     Gravity,
     constant_gravity,
-    covers,
     gravity_at,
     table_of_gravity,
 )
@@ -68,11 +67,8 @@ __all__ = [
     "coasted",
     "compiled_run",
     "constant_gravity",
-    "covers",
-    "euler_sigmas",
     "exact_increments",
     "gravity_at",
-    "increments_in_inertial_space",
     "interpolated",
     "known_quantities",
     "navigate",

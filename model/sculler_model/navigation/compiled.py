@@ -24,11 +24,11 @@ from sculler_model.navigation.wander import Level, Settings, geographic, step
 
 Array = NDArray[np.float64]
 
-Run: TypeAlias = Callable[[Level, Settings, Array, Array, Array, Array], tuple[Level, int]]
+CompiledRun: TypeAlias = Callable[[Level, Settings, Array, Array, Array, Array], tuple[Level, int]]
 
 
 @cache
-def compiled_run() -> Run | None:
+def compiled_run() -> CompiledRun | None:
     """What carries a state over many intervals at machine speed; None where Numba is missing.
 
     It takes the state, the settings, φ, ΔV_SF and ΔR_SF, (R, 3) each (the last one (0, 3) where it
@@ -77,7 +77,7 @@ def compiled_run() -> Run | None:
 
     loop.__qualname__ = f"loop_{key[:16]}"
     try:
-        run: Run = njit(cache=True)(loop)
+        run: CompiledRun = njit(cache=True)(loop)
     except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
         run = njit()(loop)
     return run

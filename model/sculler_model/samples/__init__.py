@@ -13,7 +13,7 @@ from sculler_model.samples.instants import (
 )
 from sculler_model.samples.plausibility import Finding, FindingKind, Plausibility, in_words
 from sculler_model.samples.quantiser import Quantiser
-from sculler_model.samples.resampler import Gridded, Kind, Resampler, lagrange_weights
+from sculler_model.samples.resampler import Gridded, Kind, Resampler
 
 __all__ = [
     "Finding",
@@ -27,6 +27,5 @@ __all__ = [
     "in_words",
     "interval_end",
     "interval_ends",
-    "lagrange_weights",
     "sample_stamp",
 ]

@@ -19,12 +19,11 @@ from sculler_model.algorithms import (
     RotaryMode,
     Sinc,
     TapTable,
-    closest_integers,
     fit,
     frequency_taylor,
-    round_taps,
 )
-from sculler_model.algorithms.lattice import _search
+from sculler_model.algorithms.lattice import closest_integers, search
+from sculler_model.algorithms.least_squares import round_taps
 from sculler_model.analysis.drift import filtered_residual
 from sculler_model.errors import InputError
 
@@ -199,7 +198,7 @@ class TestLattice:
                 lengths[0] * (away[:, 0] + slope * away[:, 1]) ** 2 + lengths[1] * away[:, 1] ** 2
             )
             mu = [[Decimal(1), Decimal(0)], [Decimal(slope), Decimal(1)]]
-            found = _search(mu, list(map(Decimal, lengths)), list(map(Decimal, y)))
+            found = search(mu, list(map(Decimal, lengths)), list(map(Decimal, y)))
             assert found == window[np.argmin(cost)].tolist()
 
     def test_orthogonal_basis_is_nearest(self) -> None:

@@ -9,19 +9,18 @@ from itertools import pairwise
 import pytest
 
 from sculler_model.algorithms import (
-    Elimination,
     TapTable,
     distance_sums,
     first_manoeuvre_error,
     frequency_taylor,
     manoeuvre_error,
-    pair_coefficients,
-    polynomial_fit,
     tap_table,
     time_taylor,
     uncompress,
     uncompressed,
 )
+from sculler_model.algorithms.pairs import Elimination, pair_coefficients
+from sculler_model.algorithms.time_taylor import polynomial_fit
 from sculler_model.analysis.closed_form import leading_term
 from sculler_model.errors import InputError
 

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from math import radians
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from sculler import terminal
+from sculler.commands.options.group import Command, group
 
 if TYPE_CHECKING:
     from sculler.runs.navigation import Given, Plan
     from sculler_model.design import Design
     from sculler_model.navigation import SensorNoise
 
-Command = TypeVar("Command", bound=Callable[..., Any])
 Options = Mapping[str, Any]
 """The verb's options by their names in Python."""
 
@@ -34,18 +34,7 @@ def _numbers(*described: tuple[str, str], **settings: Any) -> list[Callable[[Com
     ]
 
 
-def _group(*options: Callable[[Command], Command]) -> Callable[[Command], Command]:
-    """Options in the order of the help."""
-
-    def decorate(command: Command) -> Command:
-        for option in reversed(options):
-            command = option(command)
-        return command
-
-    return decorate
-
-
-initial_state_options = _group(
+initial_state_options = group(
     *_numbers(
         ("--lat", "Initial geodetic latitude, degrees north."),
         ("--lon", "Initial longitude, degrees east."),
@@ -60,7 +49,7 @@ initial_state_options = _group(
 )
 """Where and how the run begins."""
 
-span_options = _group(
+span_options = group(
     click.option(
         "--start",
         type=terminal.number_type(),
@@ -81,7 +70,7 @@ span_options = _group(
 )
 """Which of the vectors are navigated with."""
 
-alignment_options = _group(
+alignment_options = group(
     click.option(
         "--align",
         type=terminal.number_type(0, above=True),
@@ -98,7 +87,7 @@ alignment_options = _group(
 )
 """How the attitude is found."""
 
-carrier_options = _group(
+carrier_options = group(
     click.option(
         "--axes",
         default="x,y,z",
@@ -135,7 +124,7 @@ carrier_options = _group(
 )
 """What carries the state, and how."""
 
-sensor_options = _group(
+sensor_options = group(
     click.option(
         "--gravity",
         "gravity",

@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Literal, NamedTuple
 
 from sculler_model.design import Design
-from sculler_model.errors import InputError
+from sculler_model.errors import ContradictionError, InputError
 from sculler_model.frames import AxisMap, from_euler, to_euler
 from sculler_model.navigation import (
     ESTIMATED,
@@ -86,7 +86,7 @@ class Carrier:
             (wander only); None for none.
 
     Raises:
-        InputError: the north-pointing one with what only the other has.
+        ContradictionError: the north-pointing one with what only the other has.
     """
 
     mechanisation: Literal["wander", "geographic"] = "wander"
@@ -96,7 +96,7 @@ class Carrier:
     def __post_init__(self) -> None:
         plain = self.position_every == 1 and self.height_damping is None
         if self.mechanisation == "geographic" and not plain:
-            raise InputError(
+            raise ContradictionError(
                 "--position-every and --height-damping are for the wander azimuth, leave them out"
                 " or give --mechanisation wander"
             )

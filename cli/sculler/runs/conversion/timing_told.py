@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from sculler import terminal
 from sculler.readers.timing import Gaps, Steps, Timing
+from sculler.words import plural
 from sculler_model.design import Design
-
-_GAPS_SHOWN = 20
 
 
 def as_json(timing: Timing, design: Design, gaps: Gaps, steps: Steps) -> dict[str, Any]:
@@ -49,24 +47,24 @@ def warnings(timing: Timing, design: Design, gaps: Gaps, steps: Steps) -> list[s
     ]
     if gaps == "ignore" and found.gap_count:
         told.append(
-            f"{terminal.plural(found.gap_count, 'gap')} left as they are: model and simulate refuse"
+            f"{plural(found.gap_count, 'gap')} left as they are: model and simulate refuse"
             " the log there, or begin anew (--breaks split)"
         )
     if found.passed_over:
         told.append(
-            f"{terminal.plural(found.passed_over, 'stamp')} passed over, the first at sample"
+            f"{plural(found.passed_over, 'stamp')} passed over, the first at sample"
             f" {found.first_passed_over}: they repeat, or stray by more than 0.75 intervals"
             f" ({found.repeated:,} do not grow); these samples are taken as one interval after the"
             " one before"
         )
     if found.twice and found.too_many:
         told.append(
-            f"{terminal.plural(found.twice, 'sample')} with the stamp and the six numbers of the"
+            f"{plural(found.twice, 'sample')} with the stamp and the six numbers of the"
             " sample before: if the log has rows twice, take them out"
         )
     if found.too_many and found.rate is not None:
         told.append(
-            f"{terminal.plural(found.too_many, 'sample')} more than the stamps have time for: if"
+            f"{plural(found.too_many, 'sample')} more than the stamps have time for: if"
             " they are real, the stamps are not; time_s goes by the sample rate from there on"
         )
     if steps == "resample" or found.rate is None or found.too_many:
@@ -96,25 +94,6 @@ def words(timing: dict[str, Any]) -> str:
         told += f" ({timing['unequal_steps']:,} unequal, {treated})"
     if not timing["gap_count"]:
         return told + ", no gaps"
-    gaps = terminal.plural(timing["gap_count"], "gap")
-    missing = terminal.plural(timing["missing_samples"], "sample")
+    gaps = plural(timing["gap_count"], "gap")
+    missing = plural(timing["missing_samples"], "sample")
     return told + f"; {gaps}, {missing} missing, {timing['gaps_are']}"
-
-
-def gaps_table(timing: dict[str, Any] | None) -> list[Any]:
-    """The first gaps; no table if there are none."""
-    from rich.table import Table
-
-    if timing is None or not timing["gaps"]:
-        return []
-    table = Table(title="gaps", title_justify="left", title_style="bold")
-    for column in ("before sample", "after time (s)", "length (s)", "samples missing"):
-        table.add_column(column, justify="right")
-    for gap in timing["gaps"][:_GAPS_SHOWN]:
-        table.add_row(
-            f"{gap['sample']:,}", f"{gap['time']:.6f}", f"{gap['seconds']:.6g}", str(gap["missing"])
-        )
-    more = timing["gap_count"] - _GAPS_SHOWN
-    if more > 0:
-        table.add_row("...", f"and {more:,} more", "", "")
-    return [table]

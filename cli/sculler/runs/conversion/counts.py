@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sculler.checks.log_beginning import LogBeginning
 from sculler.readers.mounting import Mounting
-from sculler.readers.recording import Unit
+from sculler.readers.recording import Unit, si_of_unit
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import STANDARD_GRAVITY, Vector
@@ -194,20 +194,3 @@ class Conversion:
                 f" {allowed.hi}"
             )
         raise InputError(f"{where} is not a whole number of counts, check the unit")
-
-
-def si_of_unit(design: Design, sensor: str, unit: Unit) -> float:
-    """SI value, in the design's kind, of one unit of a number; the interval turns rates and means.
-
-    Args:
-        design: gives kind, scales and sample interval.
-        sensor: `gyro` or `accel`.
-        unit: of the number.
-    """
-    if unit.si is None:
-        lsb: float = getattr(design.sensor, sensor).lsb
-        return lsb
-    if unit.kind in (None, design.sensor.kind):
-        return unit.si
-    T = design.sample_interval
-    return unit.si * T if unit.kind == "rate" else unit.si / T

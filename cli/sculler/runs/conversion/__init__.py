@@ -1,0 +1,1 @@
+"""A foreign log converted: from a plan to an integer log and an `Outcome`."""
