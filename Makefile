@@ -2,7 +2,7 @@
 #   make demo    the main job end to end, files and pictures in build/demo
 #   make test    lint and the tests of every change, within five minutes on two cores
 #   make test-deep  all tests, those of a release too, within an hour
-#   make test-breaks  faults made on purpose, and which test finds each (docs/testing.md)
+#   make test-breaks  faults made on purpose, and which test finds each (docs/explanation/testing.md)
 #   make test-lowest  the tests of what depends on others, with every dependency at its floor
 #   make fuzz SEED=1 N=5000  corrupted inputs of every verb; findings in build/fuzz
 #   make lint    formatter, linter, type checker, import directions
