@@ -13,10 +13,10 @@ from sculler import terminal
 from sculler.plots.pictures import require_matplotlib
 from sculler_model.outputs import make_folder, replacing
 
-PAGES = Path("docs")
+PAGES = Path("docs/explanation")
 """Where the pages go."""
 
-IMAGES = "images"
+IMAGES = "../images"
 """The folder of their pictures, as seen from there."""
 
 WIDTH = 105

@@ -112,7 +112,7 @@ def test_the_document_and_its_pictures(tmp_path: Path) -> None:
     pictures = draw(tmp_path, found, corners)
     for picture in pictures:
         assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
-        assert f"](images/{picture.name})" in text
+        assert f"](../images/{picture.name})" in text
 
 
 def test_an_unknown_part_is_refused() -> None:
