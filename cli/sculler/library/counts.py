@@ -49,6 +49,8 @@ def whole(name: str, values: ArrayLike) -> NDArray[np.int64]:
     """
     try:
         array = np.asarray(values)
+        if array.dtype.kind == "f" and not isinstance(values, np.ndarray):
+            array = np.asarray(values, object)  # large integers among others become floats
     except (ValueError, OverflowError) as error:  # rows of unlike lengths
         raise InputError(f"{name}: not an array ({error}), give rows of one length") from error
     kind = array.dtype.kind

@@ -89,7 +89,8 @@ class LiveNavigator:
         self._sequence_span = 1 << sequence_bits
         self._last_sequence: int | None = None
         self._last_stamp: float | None = None
-        self._next_stamp = sample_stamp(design, 0)
+        # without stamps: that of the first sample, and how many there were since
+        self._clock, self._count = sample_stamp(design, 0), 0
         # words and results
         self._words: list[int] = []
         self._major = -1
@@ -240,7 +241,7 @@ class LiveNavigator:
             raise InputError(f"seconds: {seconds} is not allowed, give 0 or more")
         if self._source == "samples":
             self._model.reset()
-            self._next_stamp += seconds
+            self._clock += seconds
             self._last_stamp = self._last_sequence = None
         self._silence = seconds
         self._words.clear()
@@ -261,7 +262,9 @@ class LiveNavigator:
         T = self.design.sample_interval
         jumps = self._jumps(log)
         if log.times is None:
-            stamps = np.asarray(self._next_stamp + T * (np.arange(len(log)) + np.cumsum(jumps)))
+            number = self._count + np.arange(len(log)) + np.cumsum(jumps)
+            self._count = int(number[-1]) + 1 if len(log) else self._count
+            stamps = self._clock + number / self.design.sensor.sample_rate_hz
         else:
             stamps = log.times
             last = stamps[:1] - T if self._last_stamp is None else [self._last_stamp]
@@ -279,9 +282,9 @@ class LiveNavigator:
                 None if log.faults is None else log.faults[rows],
                 stamps[rows],
             )
-        if len(log):
-            self._last_stamp = None if log.times is None else float(stamps[-1])
-            self._next_stamp = float(stamps[-1]) + T
+        if len(log) and log.times is not None:
+            self._last_stamp = float(stamps[-1])
+            self._clock, self._count = self._last_stamp + T, 0
 
     def _jumps(self, log: Log) -> NDArray[np.int64]:
         """Before each sample how many are missing by the counter."""
