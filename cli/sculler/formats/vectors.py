@@ -1,4 +1,4 @@
-"""The vectors CSV (DESIGN section 4): decimal integers of any size, one row per major interval.
+"""The vectors CSV (docs/reference/vectors.md): decimal integers of any size, a row an interval.
 
 Where the log had stamps there is one more column, the last: `time_s`, the instant of the interval's
 end on the log's clock, the shortest decimal of the float.
