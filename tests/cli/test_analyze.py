@@ -13,6 +13,7 @@ import pytest
 from sculler_model.analysis.manoeuvre import MANOEUVRES
 from sculler_model.design import Design
 from sculler_model.samples import Quantiser
+from tiers import few_of
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]
@@ -26,7 +27,7 @@ QUICK = {
 }
 
 
-@pytest.mark.parametrize("verb", QUICK)
+@pytest.mark.parametrize("verb", few_of(list(QUICK), ["coning", "quantisation"]))
 def test_json_table_and_picture(run: Run, tmp_path: Path, design: Path, verb: str) -> None:
     picture = tmp_path / "picture.png"
     words = ("analyze", verb, design, *FAMILY, *QUICK[verb])

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 import every_verb
+from tiers import few_of
 
 EXTRAS = ("sim", "plots", "formats", "fast", "place")
 REQUIRED = [line.partition(";") for line in metadata.requires("sculler") or ()]
@@ -57,6 +58,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+VERBS = [verb for verb in every_verb.COMMANDS if verb != "place"]
+MORE_STUDIES = ("sculling", "manoeuvre", "vibration", "quantisation", "third-order")
+
+
 def run(folder: Path, command: str) -> tuple[int, str, str]:
     words = command.split()
     if os.environ.get("SCULLER_BASE"):
@@ -76,7 +81,9 @@ def test_what_is_optional() -> None:
         assert [name for name in ABSENT if util.find_spec(name.replace("-", "_"))] == []
 
 
-@pytest.mark.parametrize("verb", [verb for verb in every_verb.COMMANDS if verb != "place"])
+@pytest.mark.parametrize(
+    "verb", few_of(VERBS, [verb for verb in VERBS if verb not in MORE_STUDIES])
+)
 def test_every_verb_works(folder: Path, verb: str) -> None:
     status, out, err = run(folder, every_verb.COMMANDS[verb])
     assert (status, err) == (0, "")

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from sculler import documents
 from sculler_model.errors import InputError
+from studies import documents
 
 
 def test_a_document_goes_beside_its_pictures(

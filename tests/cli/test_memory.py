@@ -40,6 +40,7 @@ def _small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(navigator, "WORTH_COMPILING", 10**9)
 
 
+@pytest.mark.deep
 @pytest.mark.usefixtures("_small_blocks")
 def test_memory_does_not_grow_with_the_log(run: Run, tmp_path: Path) -> None:
     design = tmp_path / "design.toml"

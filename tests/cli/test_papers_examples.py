@@ -86,6 +86,7 @@ def test_yang_two_samples_leave_a_thirtieth(flown: Callable[..., Flown]) -> None
     assert found == pytest.approx(-degrees(law) * 3600, rel=5e-3)
 
 
+@pytest.mark.deep
 def test_yang_four_samples_five_minors(flown: Callable[..., Flown]) -> None:
     """Nothing is left of the second order (4e-7 °/h); the third order of 20 ms is: 0.107 °/h."""
     found = flown("coning", "increment", 4, 5, "pipelined").drift("attitude_arcsec")
@@ -112,6 +113,7 @@ def test_zeng_two_samples_of_filtered_rate(flown: Callable[..., Flown]) -> None:
     assert abs(classical / found) > 100
 
 
+@pytest.mark.deep
 def test_zeng_four_samples_are_better_than_two(flown: Callable[..., Flown]) -> None:
     """His Fig. 4; what is left is of the third order, as the second leaves 6e-5 °/h."""
     assert abs(flown("coning", "rate", 4, 1, "compact").drift("attitude_arcsec")) < 3e-4

@@ -21,7 +21,7 @@ from rtl import (
 from sculler_sim.engine import simulate
 from sculler_sim.stimulus import Stimulus
 from strategies import TARGETS, with_hardware
-from tiers import tiers
+from tiers import few_of, tiers
 
 pytestmark = pytest.mark.usefixtures("verilator")
 
@@ -79,7 +79,12 @@ def test_resets_and_stalls(design, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "seed"), [("smallest_hr", 4), ("savage_hr", 4), ("taylor_2p1_hr", 2)]
+    ("name", "seed"),
+    [
+        ("smallest_hr", 4),
+        pytest.param("savage_hr", 4, marks=pytest.mark.deep),
+        pytest.param("taylor_2p1_hr", 2, marks=pytest.mark.deep),
+    ],
 )
 def test_without_a_multiplier(name, seed):
     """Seeds with results between the resets."""
@@ -88,7 +93,7 @@ def test_without_a_multiplier(name, seed):
     check_trace(design, "verilator", 2 * clocks_of_major(design), seeds=[seed])
 
 
-@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("target", few_of(TARGETS, ["ecp5", "ice40"]))
 def test_every_target(target):
     """Blocks of the vendor in place of what is inferred, by their models."""
     design = with_hardware(HIGH_RESOLUTION["taylor_2p1_hr"], core="compact", target=target)

@@ -13,6 +13,7 @@ from sculler_sim.place.netlist import check_netlist, simulate_netlist
 from sculler_sim.place.synthesis import synthesise
 from sculler_sim.place.tools import NEXTPNR, YOSYS
 from strategies import DESIGNS
+from tiers import few_of
 
 
 def core(name, target, **hardware):
@@ -29,6 +30,7 @@ CORES = {
     "pipelined_ice40": core("pipelined_ice40", "ice40"),
     "compact_ice40": core("compact_ice40", "ice40"),
 }
+QUICK = ("compact_ecp5", "pipelined_ice40")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -47,7 +49,7 @@ def made(name):
     return design, generated, synthesise(generated, design.hardware.target)
 
 
-@pytest.mark.parametrize("name", CORES)
+@pytest.mark.parametrize("name", few_of(list(CORES), QUICK))
 def test_the_netlist_gives_the_golden_vectors(name):
     design, generated, synthesis = made(name)
     assert check_netlist(design, generated, synthesis.netlist, design.hardware.target) is None
@@ -56,10 +58,10 @@ def test_the_netlist_gives_the_golden_vectors(name):
 @pytest.mark.parametrize(
     ("name", "block"),
     [
-        ("pipelined_ecp5", "MULT18X18D"),
+        pytest.param("pipelined_ecp5", "MULT18X18D", marks=pytest.mark.deep),
         ("compact_ecp5", "DP16KD"),
         ("pipelined_ice40", "SB_MAC16"),
-        ("compact_ice40", "SB_RAM40_4K"),
+        pytest.param("compact_ice40", "SB_RAM40_4K", marks=pytest.mark.deep),
     ],
 )
 def test_the_familys_blocks_are_in_it(name, block):
@@ -68,13 +70,13 @@ def test_the_familys_blocks_are_in_it(name, block):
 
 
 def test_results_come_as_rows_of_the_columns():
-    design, generated, synthesis = made("pipelined_ecp5")
+    design, generated, synthesis = made("pipelined_ice40")
     counts, faults = netlist._random_samples(design, 5, 3)
-    rows = simulate_netlist(design, generated, synthesis.netlist, "ecp5", counts, faults)
+    rows = simulate_netlist(design, generated, synthesis.netlist, "ice40", counts, faults)
     assert rows == list(run_fast(design, counts, faults).rows())
 
 
-@pytest.mark.parametrize("name", ["pipelined_ecp5", "compact_ecp5"])
+@pytest.mark.parametrize("name", few_of(["pipelined_ecp5", "compact_ecp5"], ["compact_ecp5"]))
 def test_wrong_cells_are_found(name):
     """The adders' lower look-up tables turned into something else."""
     design, generated, synthesis = made(name)
@@ -88,6 +90,7 @@ def test_wrong_cells_are_found(name):
     assert re.search(r"result \d+, \w+: -?\d+, the golden model has -?\d+|results, not", said)
 
 
+@pytest.mark.deep
 def test_verilator_does_it_where_icarus_is_missing(verilator, monkeypatch):
     monkeypatch.setattr(netlist.shutil, "which", lambda _: None)
     monkeypatch.setattr(netlist.Tools, "find", lambda: verilator)

@@ -16,10 +16,12 @@ from sculler_model.errors import InputError
 from sculler_model.golden import Timing, words_per_column, words_per_result
 from sculler_sim.testbench import write_testbench
 from strategies import CORES, DESIGNS, make_design, with_hardware
+from tiers import few_of
 
 # results of 18 to 79 bits, major intervals of 1 to 64 samples, dense and compressed tables
 SOME = "stim300_4x5 savage_1p1 taylor_3p3 wide_5p0 rate_2p0 dense_odd_3 smallest late_sum_2".split()
-SOME_DESIGNS = pytest.mark.parametrize("design", [DESIGNS[name] for name in SOME], ids=SOME)
+QUICK = "stim300_4x5 wide_5p0 rate_2p0 dense_odd_3 smallest".split()
+SOME_DESIGNS = pytest.mark.parametrize("design", few_of({n: DESIGNS[n] for n in SOME}, QUICK))
 
 
 def verilator_command(tools, command):
@@ -153,16 +155,26 @@ def counts_stalls(self, platform):
     return m
 
 
-@pytest.mark.parametrize("core", CORES)
-@pytest.mark.parametrize(
-    ("place", "name", "wrong", "port"),
+FAULTS = [
+    (pipelined_core, "emit_rail", never_rail, "result_(status|data)"),
+    (Losses, "elaborate", lambda *_: Module(), "samples_lost"),
+    (Losses, "elaborate", never_forgets, "result_(status|data)"),
+    (Losses, "elaborate", counts_stalls, "samples_lost"),
+]
+# both cores have the same `Losses`: the small one at every change
+EACH_FAULT = pytest.mark.parametrize(
+    ("core", "place", "name", "wrong", "port"),
     [
-        (pipelined_core, "emit_rail", never_rail, "result_(status|data)"),
-        (Losses, "elaborate", lambda *_: Module(), "samples_lost"),
-        (Losses, "elaborate", never_forgets, "result_(status|data)"),
-        (Losses, "elaborate", counts_stalls, "samples_lost"),
+        pytest.param(
+            core, *fault, marks=[pytest.mark.deep] * (fault[0] is Losses and core != "compact")
+        )
+        for core in CORES
+        for fault in FAULTS
     ],
 )
+
+
+@EACH_FAULT
 def test_a_core_without_status_bits_2_and_3_fails(
     icarus, tmp_path, monkeypatch, core, place, name, wrong, port
 ):

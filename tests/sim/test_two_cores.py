@@ -48,6 +48,7 @@ def test_both_benches_pass_in_icarus(pair, tmp_path):
         assert done.stdout.startswith("PASS: ")
 
 
+@pytest.mark.deep
 def test_both_are_read_and_one_runs_in_verilator(verilator, tmp_path):
     """Two cores with models of the same blocks."""
     first, second = PAIRS[0]

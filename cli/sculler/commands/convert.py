@@ -49,9 +49,8 @@ def command(log: Path, output: Path, design_name: str, as_json: bool, **asked: A
     An .npz file has the arrays gyro and accel, (N, 3), or dtheta (rad) and dvel (m/s); and may have
     time, (N,), fault, (N,), and the strings gyro_unit, accel_unit and time_unit.
     """
-    from sculler.formats.origin import write_origin
-    from sculler.runs.conversion.convert import convert_log
-    from sculler.runs.conversion.outcome import told
+    from sculler.commands.origin import write_origin
+    from sculler.runs.conversion import convert_log, told
 
     plan = options.plan(terminal.load_design(design_name), log, asked)
     with terminal.progress("converting", terminal.file_size(log)) as advance:

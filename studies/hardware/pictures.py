@@ -1,4 +1,4 @@
-"""Pictures of docs/hardware.md, in the style of `sculler.plots.pictures`."""
+"""The pictures of hardware.md, in the style of `sculler.plots.pictures`."""
 
 from __future__ import annotations
 
@@ -6,6 +6,26 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sculler.plots.pictures import BLUE, VERMILION, new_figure
+from sculler_sim.place.placement import Placement
+from studies.hardware.measure import Corner
+from studies.hardware.points import Point
+
+
+def draw(
+    folder: Path, placed: Sequence[tuple[Point, Placement]], corners: Sequence[Corner]
+) -> list[Path]:
+    """The document's pictures, into a folder that is there."""
+    paths = [folder / "hardware-speed-area.png", folder / "hardware-design-space.png"]
+    speed_area_picture(
+        paths[0],
+        [
+            (f"{point.what}, {placement.device}", placement.area.luts, placement.samples_per_second)
+            for point, placement in placed
+            if placement.samples_per_second is not None
+        ],
+    )
+    design_space_picture(paths[1], [(c.name, c.multipliers, c.luts, c.clocks) for c in corners])
+    return paths
 
 
 def speed_area_picture(path: Path, rows: Sequence[tuple[str, int, float]]) -> None:

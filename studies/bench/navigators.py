@@ -10,7 +10,7 @@ from __future__ import annotations
 import statistics
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import radians
 from typing import Any, NamedTuple
 
@@ -74,24 +74,8 @@ def compare(seconds: float = 1000.0, rate_hz: float = 100.0, runs: int = 5) -> d
         ),
         "python-ins Integrator": theirs,
     }
-    taken: dict[str, list[float]] = {name: [] for name in contenders}
-    found: dict[str, NavHistory] = {}
-    for turn in range(runs + 1):
-        for name, run in contenders.items():
-            begin = time.perf_counter()
-            found[name] = run()
-            if turn:
-                taken[name].append(time.perf_counter() - begin)
-    few = increments[: min(count, 5000)]
-    for name, one_by_one in (
-        ("wander azimuth, one update at a time", Navigator(start, interval)),
-        ("geographic, one update at a time", GeographicNavigator(start, interval)),
-    ):
-        pairs = list(zip(few.phi.tolist(), few.dv_sf.tolist(), strict=True))
-        begin = time.perf_counter()
-        for phi, dv_sf in pairs:
-            one_by_one.update(tuple(phi), tuple(dv_sf))
-        taken[name] = [(time.perf_counter() - begin) * count / len(pairs)]
+    taken, found = _taking_turns(contenders, runs)
+    taken |= _one_by_one(start, interval, increments)
     rows = {}
     for name, runs_taken in taken.items():
         median = statistics.median(runs_taken)
@@ -111,6 +95,39 @@ def compare(seconds: float = 1000.0, rate_hz: float = 100.0, runs: int = 5) -> d
         "speed_ratio": rows[ours]["updates_per_s"] / rows[other]["updates_per_s"],
         "error_ratio": rows[other]["horizontal_m"] / rows[ours]["horizontal_m"],
     }
+
+
+def _taking_turns(
+    contenders: Mapping[str, Callable[[], NavHistory]], runs: int
+) -> tuple[dict[str, list[float]], dict[str, NavHistory]]:
+    """Seconds of each measured run, and what the last one found, by name."""
+    taken: dict[str, list[float]] = {name: [] for name in contenders}
+    found: dict[str, NavHistory] = {}
+    for turn in range(runs + 1):
+        for name, run in contenders.items():
+            begin = time.perf_counter()
+            found[name] = run()
+            if turn:
+                taken[name].append(time.perf_counter() - begin)
+    return taken, found
+
+
+def _one_by_one(
+    start: NavState, interval: float, increments: MajorIncrements
+) -> dict[str, list[float]]:
+    """Seconds that all increments would take, one call an update, by name; measured on a few."""
+    few = increments[: min(len(increments), 5000)]
+    pairs = list(zip(few.phi.tolist(), few.dv_sf.tolist(), strict=True))
+    taken = {}
+    for name, one_by_one in (
+        ("wander azimuth, one update at a time", Navigator(start, interval)),
+        ("geographic, one update at a time", GeographicNavigator(start, interval)),
+    ):
+        begin = time.perf_counter()
+        for phi, dv_sf in pairs:
+            one_by_one.update(tuple(phi), tuple(dv_sf))
+        taken[name] = [(time.perf_counter() - begin) * len(increments) / len(pairs)]
+    return taken
 
 
 class _PythonIns(NamedTuple):

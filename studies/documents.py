@@ -1,8 +1,9 @@
-"""What the commands share that compute a document and draw its pictures: shell and Markdown."""
+"""What the commands share that compute a page and draw its pictures: where it goes, Markdown."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from os.path import normpath
 from pathlib import Path
 from textwrap import fill
 
@@ -11,6 +12,12 @@ import click
 from sculler import terminal
 from sculler.plots.pictures import require_matplotlib
 from sculler_model.outputs import make_folder, replacing
+
+PAGES = Path("docs/explanation")
+"""Where the pages go."""
+
+IMAGES = "../images"
+"""The folder of their pictures, as seen from there."""
 
 WIDTH = 105
 """Columns of a document's paragraphs."""
@@ -25,10 +32,10 @@ def folder_option(name: str) -> Callable[[terminal.Command], terminal.Command]:
         "--output",
         "folder",
         type=click.Path(file_okay=False, path_type=Path),
-        default=Path("docs/explanation"),
+        default=PAGES,
         show_default=True,
         metavar="FOLDER",
-        help=f"Where {name} goes; its pictures go to images/ beside that folder.",
+        help=f"Where {name} and {IMAGES}/ go.",
     )
 
 
@@ -37,14 +44,14 @@ def write_document(path: Path, compute: Callable[[Path], tuple[str, list[Path]]]
 
     Args:
         path: of the document.
-        compute: given the folder of its pictures, ../images/ from it, draws them there;
-            returns the text and the pictures.
+        compute: given the folder of its pictures (`IMAGES`, seen from the document), draws them
+            there; returns the text and the pictures.
 
     Raises:
         InputError: matplotlib is absent, or a folder cannot be made or written to.
     """
     require_matplotlib()
-    images = make_folder(path.absolute().parent.parent / "images")
+    images = make_folder(Path(normpath(path.parent / IMAGES)))
     text, pictures = compute(images)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
