@@ -2,13 +2,14 @@
 #   make demo    the main job end to end, files and pictures in build/demo
 #   make test    lint and the tests of every change, within five minutes on two cores
 #   make test-deep  all tests, those of a release too, within an hour
-#   make test-breaks  faults made on purpose, and which test finds each (docs/testing.md)
+#   make test-breaks  faults made on purpose, and which test finds each (docs/explanation/testing.md)
 #   make test-lowest  the tests of what depends on others, with every dependency at its floor
 #   make fuzz SEED=1 N=5000  corrupted inputs of every verb; findings in build/fuzz
 #   make lint    formatter, linter, type checker, import directions
 #   make bench   speeds, medians of several runs
-#   make accuracy  docs/accuracy.md and its pictures: the papers' figures beside ours
-#   make hardware  docs/hardware.md and its pictures: real place-and-route, about half an hour
+#   make accuracy  docs/explanation/accuracy.md and its pictures: the papers' figures beside ours
+#   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route, about half an hour
+#   make docs    the site of docs/ in build/site, without warnings; DOCS_FLAGS=... for MkDocs
 #   make release-check  wheel and sdist, built and tried outside the tree; they stay in build/release
 #   make clean   remove what the targets made
 
@@ -16,8 +17,9 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
+DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo test test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware release-check clean setup
+.PHONY: demo docs test test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -83,6 +85,14 @@ lint: $(READY)
 format: $(READY)
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+
+# what builds the site is installed when it is first asked for
+$(DOCS): $(READY)
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	@touch $@
+
+docs: $(DOCS)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --clean --quiet $(DOCS_FLAGS)
 
 bench: $(READY)
 	$(BIN)/python -m studies.bench

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -159,28 +158,6 @@ def load_design(name: str) -> Design:
     raise InputError(
         f"{name}: no such design file, give a path, or a preset: {', '.join(sorted(PRESETS))}"
     )
-
-
-def why_no_verilator() -> str | None:
-    """What Verilator lacks here, in a line; None if it can be used.
-
-    Raises:
-        InputError: $CXX is set and cannot be used.
-    """
-    from sculler_model.errors import InputError
-    from sculler_sim.engines.verilator_build import Tools
-
-    try:
-        Tools.find()
-    except InputError as error:
-        if "CXX" in os.environ:
-            raise
-        return (
-            str(error)
-            .removesuffix(", or choose the engine amaranth")
-            .removesuffix("; or choose the engine amaranth")
-        )
-    return None
 
 
 def report(data: Mapping[str, Any], as_json: bool, *renderables: RenderableType) -> None:

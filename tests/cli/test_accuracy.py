@@ -1,4 +1,4 @@
-"""docs/accuracy.md: what `make accuracy` computes today, and the papers' figures in it."""
+"""accuracy.md: what `make accuracy` computes today, and the papers' figures in it."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from studies import accuracy
+from studies import accuracy, documents
 
-DOCS = Path(__file__).parents[2] / "docs"
+PAGES = Path(__file__).parents[2] / documents.PAGES
 NUMBER = re.compile("[−-]?\\d+(?:\\.\\d+)?(?:e-?\\d+)?")
 
 
@@ -34,7 +34,7 @@ def _one_digit_apart(one: Decimal, other: Decimal) -> bool:
 
 def test_the_document_is_up_to_date(text: str) -> None:
     """Words are the same; figures too, but for a last digit that another machine may round."""
-    words, numbers = _split((DOCS / "accuracy.md").read_text(encoding="utf-8"))
+    words, numbers = _split((PAGES / "accuracy.md").read_text(encoding="utf-8"))
     new_words, new_numbers = _split(text)
     assert "".join(words) == "".join(new_words), "run: make accuracy"
     other = [pair for pair in zip(numbers, new_numbers, strict=True) if pair[0] != pair[1]]
@@ -51,10 +51,10 @@ def test_what_counts_as_one_digit() -> None:
 
 
 def test_its_pictures_are_there(text: str) -> None:
-    names = re.findall(r"\]\(images/(.*?)\)", text)
+    names = re.findall(r"\]\((.*?accuracy-.*?)\)", text)
     assert len(names) == 4
     for name in names:
-        assert (DOCS / "images" / name).read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+        assert (PAGES / name).read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
 def test_runge_kutta_by_simulation_is_its_law() -> None:

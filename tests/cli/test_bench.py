@@ -11,8 +11,8 @@ import pytest
 
 from sculler.main import run_command
 from sculler_model.design import Design
-from studies import bench
-from studies.bench import Task
+from studies.bench import command as bench
+from studies.bench.tasks import Task
 
 COMPARED = {
     "motion": "flight",
@@ -67,9 +67,7 @@ def test_speeds_and_the_comparison_of_navigators(
     report: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = []
-    monkeypatch.setattr(
-        bench.bench_navigate, "compare", lambda runs: asked.append(runs) or COMPARED
-    )
+    monkeypatch.setattr(bench.navigators, "compare", lambda runs: asked.append(runs) or COMPARED)
     data = json.loads(report("--json"))
     assert asked == [5]
     assert data["navigators"] == COMPARED

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from sculler_model.errors import InputError
-from studies.bench_navigate import compare
+from studies.bench.navigators import compare
 
 OURS, THEIRS = "wander azimuth, compiled", "python-ins Integrator"
 

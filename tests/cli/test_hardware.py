@@ -1,4 +1,4 @@
-"""docs/hardware.md: what is asked, what is reached, and how it is told."""
+"""The page of real devices: what is asked, what is reached, and how it is told."""
 
 from __future__ import annotations
 
@@ -11,8 +11,11 @@ from sculler_model.errors import InputError
 from sculler_sim.place.devices import find_device
 from sculler_sim.place.nextpnr import WorstPath
 from sculler_sim.place.placement import Area, Placement, Seed, check_target
-from studies import hardware
-from studies.hardware import Corner, Point, points
+from studies.hardware import page
+from studies.hardware.command import command
+from studies.hardware.measure import Corner
+from studies.hardware.pictures import draw
+from studies.hardware.points import Point, points
 
 
 def placed(
@@ -78,21 +81,19 @@ def test_every_point_can_be_asked_for(key: str) -> None:
 def test_what_is_reached_is_said(mhz: float, clocks: float, latency: int, verdict: str) -> None:
     point = POINTS["fast-24"]
     found = placed(point, mhz, clocks=clocks, latency=latency)
-    (row,) = [line for line in hardware._goals([(point, found)]) if "LFE5U-85F -6" in line]
+    (row,) = [line for line in page.goals([(point, found)]) if "LFE5U-85F -6" in line]
     assert row.endswith(verdict)
     assert f"{mhz:.1f} MHz" in row
 
 
 def test_the_table_has_median_and_range() -> None:
     point = POINTS["fast-24"]
-    row = dict(zip(hardware.HEADINGS, hardware.table_row(point, placed(point, 250)), strict=True))
+    row = dict(zip(page.HEADINGS, page.table_row(point, placed(point, 250)), strict=True))
     assert row["MHz"] == "250.0 [245.0 .. 253.0]"
     assert row["latency"] == "20 clocks, 80 ns"
     assert row["samples/s"] == "250,000,000"
     estimate = POINTS["fast-24-xc7"]
-    row = dict(
-        zip(hardware.HEADINGS, hardware.table_row(estimate, placed(estimate, None)), strict=True)
-    )
+    row = dict(zip(page.HEADINGS, page.table_row(estimate, placed(estimate, None)), strict=True))
     assert (row["MHz"], row["latency"], row["samples/s"]) == ("-", "20 clocks", "-")
 
 
@@ -102,18 +103,19 @@ def test_the_document_and_its_pictures(tmp_path: Path) -> None:
         for n, point in enumerate(points())
     ]
     corners = [Corner("as many as it takes", 24, 9000, 1.0), Corner("compact", 1, 400, 82.25)]
-    text = hardware.document(found, corners)
-    assert text == hardware.document(found, corners)
-    for part in ("230 clocks at 50 MHz", "980 clocks at 50 MHz", "75 DSPs", "MicroBlaze"):
-        assert part in text
+    text = page.document(found, corners)
+    assert text == page.document(found, corners)
+    assert (
+        "MicroBlaze ([Bhogadi 2015](https://doi.org/10.1186/s40064-015-1367-y)) | Virtex-6" in text
+    )
     assert "| compact | 1 | 82.25 | 400 |" in text
-    pictures = hardware.draw(tmp_path, found, corners)
+    pictures = draw(tmp_path, found, corners)
     for picture in pictures:
         assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
-        assert f"](images/{picture.name})" in text
+        assert f"](../images/{picture.name})" in text
 
 
 def test_an_unknown_part_is_refused() -> None:
-    done = click.testing.CliRunner().invoke(hardware.command, ["--only", "fast-99"])
+    done = click.testing.CliRunner().invoke(command, ["--only", "fast-99"])
     assert isinstance(done.exception, InputError)
     assert "--only fast-99: not in the table, give one of fast-18, " in str(done.exception)

@@ -23,7 +23,7 @@ Run = Callable[..., Any]
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 DESIGN = EXAMPLES / "lasergyro.toml"
-DRIVE = Path(__file__).parents[2] / "docs/drive.md"
+DRIVE = Path(__file__).parents[2] / "docs/tutorials/drive.md"
 
 
 def test_laser_gyro(run: Run, data: Path, tmp_path: Path) -> None:
@@ -87,7 +87,7 @@ def test_drive_from_mat(run: Run, data: Path, tmp_path: Path) -> None:
 
 
 def page_blocks() -> list[str]:
-    """The indented blocks of docs/drive.md: design, script, commands, fitted constants."""
+    """Indented blocks of docs/tutorials/drive.md: design, script, commands, fitted constants."""
     text = DRIVE.read_text()
     blocks = re.findall(r"(?:(?:^ {4}.*|^)\n)*^ {4}.*\n", text, re.MULTILINE)
     return [dedent(block).strip() + "\n" for block in blocks]
@@ -96,7 +96,7 @@ def page_blocks() -> list[str]:
 def test_drive_as_the_page_tells_it(
     run: Run, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The commands of docs/drive.md give its figures."""
+    """The commands of docs/tutorials/drive.md give its figures."""
     source = data / "transfer_align_fog_mems.mat"
     if not source.is_file():
         pytest.skip(f"no {source}")

@@ -1,4 +1,4 @@
-"""The figures of docs/core-inside.md are those of the plans."""
+"""The figures of docs/explanation/core-inside.md are those of the plans."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,7 @@ from sculler_hdl.plan.pipelined import plan_pipelined
 from sculler_model.design import Design
 from strategies import with_hardware
 
-PAGE = (Path(__file__).parents[2] / "docs" / "core-inside.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs/explanation/core-inside.md").read_text(encoding="utf-8")
 DEFAULT = Design.preset("stim300")
 
 

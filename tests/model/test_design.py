@@ -146,7 +146,7 @@ class TestPresets:
     @pytest.mark.parametrize(
         ("name", "rate", "gyro", "accel"),
         [
-            # DESIGN section 7, each number worked out another way than in presets.py
+            # from the data sheets, each number worked out another way than in presets.py
             ("hg4930", 100.0, (32, 1 / 8589934592), (32, 0.3048 / 134217728)),
             ("stim300", 2000.0, (24, radians(1) / 2097152), (24, 1 / 4194304)),
             ("ln200", 200.0, (32, 1 / 524288), (32, 1 / 16384)),

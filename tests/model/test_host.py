@@ -186,7 +186,7 @@ def test_constant_rate_and_force_are_exact_to_rounding() -> None:
 
 
 def test_turn_of_one_radian_a_second_under_30_metres_a_second_squared() -> None:
-    """DESIGN's case of the between-minors term: n = 4, M = 5, 2 kHz, error below 1e-12 m/s²."""
+    """The between-minors term: n = 4, M = 5, 2 kHz, error below 1e-12 m/s²."""
     design = fine_design(4, minors=5, gyro_lsb=1e-9, accel_lsb=1e-8)
     counts = np.tile([0, 0, 500_000, 1_500_000, 0, 0], (40, 1))  # 1 rad/s, 30 m/s²
     found = major_increments(design, run_fast(design, counts)).dv_sf[1] / design.major_interval
@@ -249,7 +249,7 @@ def test_zengs_rates_drift_by_the_closed_form() -> None:
 
 
 def test_five_minors_of_four_leave_the_third_order_only() -> None:
-    """DESIGN's case of Yang's lost half: 1°, 20 Hz, 1 kHz, n = 4, M = 5 drifts 0.11 °/h."""
+    """Yang's lost half, a misprint of theory.md: 1°, 20 Hz, 1 kHz, n = 4, M = 5 drifts 0.11 °/h."""
     design = fine_design(4, minors=5, rate=1000.0, gyro_lsb=1e-11)
     measured = coning_drift(design, Coning(radians(1), 2 * pi * 20), 500)
     assert abs(degrees(measured) * 3600) == pytest.approx(0.11, abs=0.01)

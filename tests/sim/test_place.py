@@ -156,7 +156,7 @@ def test_a_missing_tool_is_named_with_how_to_get_it():
         tool.version()
 
 
-# paths inside blocks: DESIGN section 6 has 292 and 390 MHz for a -6
+# paths inside blocks: docs/explanation/hardware.md has 292 and 390 MHz for a -6
 
 
 def multiplier(*registers):

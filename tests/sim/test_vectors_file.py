@@ -10,7 +10,7 @@ from sculler_model.fast import VectorBlock, run_fast
 from sculler_model.golden import GoldenModel
 from strategies import DESIGNS, random_counts
 
-# the header as DESIGN section 4 spells it out
+# the header as docs/reference/vectors.md has it
 HEADER = (
     "major,status,alpha_x,alpha_y,alpha_z,coning_within_x,coning_within_y,coning_within_z,"
     "coning_between_x,coning_between_y,coning_between_z,nu_x,nu_y,nu_z,"

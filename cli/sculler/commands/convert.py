@@ -39,9 +39,9 @@ def command(log: Path, output: Path, design_name: str, as_json: bool, **asked: A
 
     LOG is CSV with units, EuRoC's or ROS's CSV, increments of KF-GINS (text or binary), MAT, HDF5,
     .npz, Parquet, a ROS bag or MCAP, laser-gyro text (.imu), or raw datagrams of a STIM300,
-    NovAtel, VectorNav, Xsens, ADIS or HG4930 (docs/formats.md).  Numbers are brought to the
-    design's counts with the remainder carried to the next sample, as a pulse-counting sensor does,
-    so no angle is lost.
+    NovAtel, VectorNav, Xsens, ADIS or HG4930 (docs/reference/input-formats.md).  Numbers are
+    brought to the design's counts with the remainder carried to the next sample, as a
+    pulse-counting sensor does, so no angle is lost.
     Rates become increments where the sensor counts increments, and the reverse.  Numbers that
     already are the design's counts pass unchanged.  Time stamps are checked against the sample
     rate; gaps and unequal steps are told.
@@ -49,9 +49,8 @@ def command(log: Path, output: Path, design_name: str, as_json: bool, **asked: A
     An .npz file has the arrays gyro and accel, (N, 3), or dtheta (rad) and dvel (m/s); and may have
     time, (N,), fault, (N,), and the strings gyro_unit, accel_unit and time_unit.
     """
-    from sculler.formats.origin import write_origin
-    from sculler.runs.conversion.convert import convert_log
-    from sculler.runs.conversion.outcome import told
+    from sculler.commands.origin import write_origin
+    from sculler.runs.conversion import convert_log, told
 
     plan = options.plan(terminal.load_design(design_name), log, asked)
     with terminal.progress("converting", terminal.file_size(log)) as advance:

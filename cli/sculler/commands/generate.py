@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from sculler import terminal
-
-if TYPE_CHECKING:
-    from sculler_model.design import Design
 
 
 @click.command(
@@ -37,6 +33,8 @@ def command(design_name: str, folder: Path | None, as_json: bool) -> None:
     own come their models for simulators; with core = "compact" comes the schedule to read,
     NAME_schedule.txt.  The same design gives the same bytes.
     """
+    from sculler.runs.hardware import write_hardware
+
     design = terminal.load_design(design_name)
     folder = folder or Path("build") / design.name
     with terminal.progress("generating", None):
@@ -65,32 +63,3 @@ def command(design_name: str, folder: Path | None, as_json: bool) -> None:
         "wrote": f"{folder}/: {', '.join(file.name for file in files)}",
     }
     terminal.report(data, as_json, terminal.facts(rows))
-
-
-def write_hardware(design: Design, folder: Path) -> list[Path]:
-    """Verilog, manifest and test bench of a design; they appear together.
-
-    Returns:
-        The files, in `folder`, which is made if need be.
-
-    Raises:
-        InputError: the folder cannot be made or written to.
-    """
-    from sculler_hdl import generate, timing
-    from sculler_model.outputs import gathering
-    from sculler_sim.testbench import write_testbench
-
-    generated = generate(design)
-    texts = {
-        f"{design.name}.v": generated.verilog,
-        f"{design.name}.json": json.dumps(generated.manifest.as_json(), indent=2) + "\n",
-        **{f"{cell}.v": text for cell, text in generated.cells.items()},
-    }
-    if generated.listing is not None:
-        texts[f"{design.name}_schedule.txt"] = generated.listing
-    with gathering(folder) as gathered:
-        for name, text in texts.items():
-            (gathered / name).write_text(text, encoding="utf-8", newline="\n")
-        bench = write_testbench(design, gathered, timing(design), generated.cells)
-        names = [*texts, *(file.name for file in bench)]
-    return [folder / name for name in names]

@@ -38,7 +38,7 @@ def command(
     Writes the vectors: one row of exact integers for each complete major interval.  A log with a
     column time_s (stamps, s) or sequence (a sample counter) is checked for missing samples.
     """
-    from sculler.formats.origin import write_origin
+    from sculler.commands.origin import write_origin
     from sculler.runs.counts import model_log
 
     design = terminal.load_design(design_name)

@@ -199,7 +199,7 @@ def command(
     **given: float | None,
 ) -> None:
     """Write the IMU log of a known motion, and its truth."""
-    from sculler.formats.origin import write_origin
+    from sculler.commands.origin import write_origin
     from sculler_model.errors import InputError
     from sculler_model.motion import MOTIONS
 

@@ -82,9 +82,8 @@ def command(
     one of the two has is left out, and said.  A truth may tell attitude, velocity or position
     alone; what it does not tell of the initial state comes from the options.
     """
-    from sculler.runs.navigation import navigate_file
-    from sculler.runs.navigation.files import results_in
-    from sculler.runs.navigation.outcome import told
+    from sculler.formats.vectors import results_in
+    from sculler.runs.navigation import navigate_file, told
 
     plan = options.plan(terminal.load_design(design_name), vectors, truth, asked)
     with terminal.progress("navigating", results_in(vectors)) as advance:
@@ -104,10 +103,10 @@ def _write_report(
     page: Path, outcome: Outcome, facts: dict[str, str], files: dict[str, str]
 ) -> None:
     """The run as one page."""
-    from sculler.formats.origin import chain, settings
+    from sculler.commands.origin import settings
+    from sculler.formats.origin import chain
     from sculler.report import write_report
 
-    said = settings(click.get_current_context())
     steps = [step for kind, path in files.items() for step in chain(kind, path)]
     write_report(
         page,
@@ -115,7 +114,7 @@ def _write_report(
         facts,
         outcome.errors,
         outcome.pictures or [],
-        said,
+        settings(),
         outcome.warnings,
         steps,
     )

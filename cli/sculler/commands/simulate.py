@@ -11,7 +11,7 @@ from sculler import terminal
 
 if TYPE_CHECKING:
     from sculler.checks.breaks import Policy
-    from sculler.runs.counts import SimulationEngine
+    from sculler.runs.engines import SimulationEngine
 
 
 @click.command(
@@ -60,15 +60,15 @@ def command(
     Writes the vectors that the core hands over, for `sculler compare` with those of `sculler
     model`.
     """
-    from sculler.formats.origin import write_origin
+    from sculler.commands.origin import write_origin
     from sculler.runs.counts import simulate_log
+    from sculler.runs.engines import choose_engine
     from sculler_sim.stimulus import Stimulus
 
     design = terminal.load_design(design_name)
     warnings: list[str] = []
     if engine == "auto":
-        no_verilator = terminal.why_no_verilator()
-        engine = "verilator" if no_verilator is None else "amaranth"
+        engine, no_verilator = choose_engine()
         if no_verilator is not None:
             warnings.append(f"simulated by Amaranth, slowly: {no_verilator}")
     # stalls long enough that the host misses a major end now and then

@@ -1,4 +1,4 @@
-"""IMU logs as the core sees them: CSV of integer counts, one sample a row (DESIGN section 4).
+"""IMU logs as the core sees them: CSV of counts, one sample a row (docs/reference/imu-log.md).
 
 The header names the columns `gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z`, in any order, and
 optionally `fault` (0 or 1), `time_s` (the stamp, decimal seconds of the log's own clock) and

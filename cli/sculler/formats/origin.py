@@ -15,8 +15,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import click
-
 from sculler_model.outputs import replacing
 
 _BLOCK = 1 << 16
@@ -39,18 +37,6 @@ class Step(NamedTuple):
     note: str
 
 
-def settings(context: click.Context) -> dict[str, Any]:
-    """What the command line said, in its own names, and the defaults that came to be used."""
-    said = {}
-    for parameter in context.command.params:
-        assert parameter.name is not None
-        value = context.params[parameter.name]
-        if value not in (None, False):
-            option = isinstance(parameter, click.Option)
-            said[parameter.opts[-1] if option else parameter.human_readable_name] = value
-    return said
-
-
 def environment() -> str:
     """The programs that a result depends on."""
     import numpy
@@ -65,13 +51,22 @@ def record_path(path: str | Path) -> Path:
     return path.with_name(f"{path.name}.origin.json")
 
 
-def write_origin(output: Path, inputs: Mapping[str, str | Path], result: Mapping[str, Any]) -> None:
-    """Write the record of a file that the running verb has written; none for a pipe.
+def write_origin(
+    output: Path,
+    inputs: Mapping[str, str | Path],
+    result: Mapping[str, Any],
+    *,
+    verb: str | None,
+    settings: Mapping[str, Any],
+) -> None:
+    """Write the record of a file that has been written; none for a pipe.
 
     Args:
         output: the file.
         inputs: the files it was made from, by what they are.
         result: what the verb tells with --json.
+        verb: that wrote it.
+        settings: what the verb was told.
 
     Raises:
         InputError: the record cannot be written.
@@ -79,11 +74,10 @@ def write_origin(output: Path, inputs: Mapping[str, str | Path], result: Mapping
     digest = None if output.is_relative_to("/dev") else file_hash(output)
     if digest is None:
         return
-    context = click.get_current_context()
     record = {
         "program": environment(),
-        "verb": context.info_name,
-        "settings": {name: _plain(value) for name, value in settings(context).items()},
+        "verb": verb,
+        "settings": {name: _plain(value) for name, value in settings.items()},
         "file": {"name": output.name, "sha256": digest},
         "inputs": [_input(kind, path) for kind, path in inputs.items()],
         "result": result,

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sculler.checks.breaks import Break, BreakFinder, Policy
 from sculler.formats.log import read_log
 from sculler.formats.vectors import VectorsWriter
+from sculler.runs.engines import SimulationEngine
 from sculler.words import Advance, plural
 from sculler_model.design import (
     STATUS_FAULT,
@@ -31,7 +32,6 @@ from sculler_sim.run import RESET
 from sculler_sim.stimulus import Stimulus
 
 ModelEngine = Literal["fast", "reference"]
-SimulationEngine = Literal["verilator", "amaranth"]
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def model_log(
         log: a core log, or `-` for stdin.
         output: the vectors file; appears whole or not at all.
         engine: the vectorised twin, or the plain reference.
-        advance: told the bytes of the log read.
+        advance: told the bytes of the rows read.
         breaks: what to do where samples are missing.
 
     Raises:

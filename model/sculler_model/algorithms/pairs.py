@@ -61,7 +61,7 @@ def tap_table(samples: int, coefficients: Mapping[Pair, Fraction]) -> TapTable:
 
 
 def distance_sums(table: TapTable) -> list[Fraction]:
-    """K_d = Σ_k tap[k][d], d = 1..reach: all that classical coning sees of a table (Yang Eq. 8)."""
+    """K_d = Σ_k tap[k, d], d = 1..reach: all that classical coning sees of a table (Yang Eq. 8)."""
     return [Fraction(sum(column), table.denominator) for column in zip(*table.taps, strict=True)]
 
 

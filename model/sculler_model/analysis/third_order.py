@@ -12,7 +12,7 @@ with α, β the angle and coning so far, θ, δ those of the minor interval.  In
 
 where `within` is what this minor interval adds to coning_within.  It sees vibration that the host,
 which gets only the sums over the major interval, cannot (`host.ThirdOrder` is for manoeuvres).
-What is of third order inside one minor interval stays.  docs/explanation/accuracy.md holds it
+What is of third order inside one minor interval stays.  docs/explanation/analysis.md holds it
 against simply taking shorter major intervals.
 """
 

@@ -13,7 +13,7 @@ from sculler.commands.options.group import group
 from sculler.readers import registry
 
 if TYPE_CHECKING:
-    from sculler.runs.conversion.plan import Plan
+    from sculler.runs.conversion import Plan
     from sculler_model.design import Design
 
 _GYRO_UNITS = ("rad", "deg", "arcsec", "rad/s", "deg/s", "deg/h", "counts")
@@ -179,7 +179,7 @@ def plan(design: Design, log: Path, options: Mapping[str, Any]) -> Plan:
     Raises:
         ContradictionError: options do not go together.
     """
-    from sculler.runs.conversion.plan import Layout, Plan, RunningSums
+    from sculler.runs.conversion import Layout, Plan, RunningSums
     from sculler_model.errors import ContradictionError
 
     sensors, bits = options["cumulative_of"], options["cumulative_bits"]

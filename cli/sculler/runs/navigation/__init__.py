@@ -2,7 +2,7 @@
 
 from sculler.runs.navigation.against_truth import AgainstTruth
 from sculler.runs.navigation.files import navigate_file
-from sculler.runs.navigation.outcome import Outcome
+from sculler.runs.navigation.outcome import Outcome, told
 from sculler.runs.navigation.plan import Carrier, Given, Plan
 from sculler.runs.navigation.run import STATUSES, NavigationRun, Seen
 
@@ -16,4 +16,5 @@ __all__ = [
     "Plan",
     "Seen",
     "navigate_file",
+    "told",
 ]
