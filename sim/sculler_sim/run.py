@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.design import Design
-from sculler_model.errors import InputError
+from sculler_model.errors import Error, InputError
 from sculler_model.golden import Ports, Timing, check_widths, result_ports
 from sculler_sim.stimulus import Stimulus
 
@@ -24,8 +24,14 @@ CheckedChunk = tuple[NDArray[np.int32], NDArray[np.uint8]]
 """The same from `check_chunks`: C-contiguous, every value legal."""
 
 
-class SimulationError(RuntimeError):
-    """The simulated core broke its contract: it stopped, or miscounted the words of a result."""
+class SimulationError(Error, RuntimeError):
+    """The simulated core broke its contract: it stopped, or miscounted the words of a result.
+
+    Example:
+        >>> import sculler
+        >>> issubclass(sculler.SimulationError, RuntimeError)
+        True
+    """
 
 
 def wrong_last(words: int, wanted: int) -> SimulationError:

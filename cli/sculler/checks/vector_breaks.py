@@ -34,8 +34,8 @@ def begins_at(design: Design, end: float) -> float:
     return round(end - design.major_interval, 9)
 
 
-def stretches(design: Design, blocks: Iterable[VectorBlock]) -> Iterator[VectorBlock | Break]:
-    """The blocks, each of consecutive intervals and with times, and the breaks between them.
+class Stretches:
+    """Cuts blocks of vectors that come one by one where an interval does not follow the last.
 
     The times are the log's own where the vectors have them; else they follow from `major` on a
     clock that began with the log, until a reset: how long that took is not known.
@@ -43,30 +43,45 @@ def stretches(design: Design, blocks: Iterable[VectorBlock]) -> Iterator[VectorB
     Two intervals follow each other if `major` does and, where there are times, these do to three
     quarters of a sample and a thousandth of the interval, which leaves room for stamps of few
     digits and for a clock that is not the sensor's.
+
+    Args:
+        design: of the vectors.
     """
-    T = design.major_interval
-    allowed = 0.75 * design.sample_interval + 1e-3 * T
-    line = 2  # of the block's first row
-    major, time = -1, 0.0  # of the row before
-    for block in blocks:
+
+    def __init__(self, design: Design) -> None:
+        self._design = design
+        self._allowed = 0.75 * design.sample_interval + 1e-3 * design.major_interval
+        self._line = 2  # of the next block's first row
+        self._major, self._time = -1, 0.0  # of the row before
+
+    def __call__(self, block: VectorBlock) -> Iterator[VectorBlock | Break]:
+        """A block in parts of consecutive intervals, all with times, and the breaks before them."""
         if not len(block):
-            continue
+            return
+        design, line = self._design, self._line
         times = interval_ends(design, block.major) if block.times is None else block.times
-        majors = np.concatenate([[major], block.major])
-        before = np.concatenate([[time], times])
+        majors = np.concatenate([[self._major], block.major])
+        before = np.concatenate([[self._time], times])
         away = np.diff(majors) != 1
         if block.times is not None:
-            away |= ~(np.abs(np.diff(before) - T) <= allowed)
+            away |= ~(np.abs(np.diff(before) - design.major_interval) <= self._allowed)
         if line == 2:
             away[0] = False
+        self._line = line + len(block)
+        self._major, self._time = int(majors[-1]), float(before[-1])
         whole = replace(block, times=times)
         cuts = [0, *(np.flatnonzero(away[1:]) + 1).tolist(), len(block)]
         for first, end in pairwise(cuts):
             if away[first]:
                 yield _break(design, line + first, majors[first:], before[first:], block)
             yield _rows(whole, slice(first, end))
-        line += len(block)
-        major, time = int(majors[-1]), float(before[-1])
+
+
+def stretches(design: Design, blocks: Iterable[VectorBlock]) -> Iterator[VectorBlock | Break]:
+    """The blocks, each of consecutive intervals and with times, and the breaks between them."""
+    cut = Stretches(design)
+    for block in blocks:
+        yield from cut(block)
 
 
 def _break(

@@ -19,6 +19,14 @@ class Difference:
         major: the row's `major` (the first file's, where it has the row).
         column: name of the first unequal column; `major` where one file has ended.
         first, second: the two values, a float for `time_s`; None where that file has ended.
+
+    Example:
+        >>> import numpy as np, sculler
+        >>> design, counts = sculler.Design.preset("stim300"), np.ones((40, 6), int)
+        >>> block = sculler.FastModel(design).feed(counts)
+        >>> found = sculler.compare(block, sculler.FastModel(design).feed(counts[:20]))
+        >>> isinstance(found, sculler.Difference), found.describe("this", "that")
+        (True, 'that ends after 1 rows, this goes on with major 1')
     """
 
     row: int

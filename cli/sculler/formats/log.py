@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from sculler.formats.plain_rows import Rows, parse
 from sculler_model import inputs
-from sculler_model.design import Design
+from sculler_model.design import Design, Interval
 from sculler_model.errors import InputError
 from sculler_model.outputs import MAX_LINE, endless_line
 
@@ -61,13 +61,13 @@ _MAX_HEADER = 4096  # bytes; a binary file may have no line end for long
 
 
 def read_log(
-    path: str | Path, design: Design, advance: Callable[[int], None] | None = None
+    path: str | Path, design: Design | None, advance: Callable[[int], None] | None = None
 ) -> Iterator[Chunk]:
     """Stream a log's samples, checked against the sensor's widths.
 
     Args:
         path: the log; `-` for stdin.
-        design: its `sensor` gives the widths.
+        design: its `sensor` gives the widths; None for counts of up to 64 bits.
         advance: told the bytes read, block by block.
 
     Yields:
@@ -96,9 +96,11 @@ def read_log(
 class _Layout:
     """What the header and the sensor say about a log's rows."""
 
-    def __init__(self, name: str, design: Design) -> None:
+    def __init__(self, name: str, design: Design | None) -> None:
         self.name = name
-        self.words = {"gyro": design.words.gyro, "accel": design.words.accel}
+        widest = Interval.signed(64)
+        words = (widest, widest) if design is None else (design.words.gyro, design.words.accel)
+        self.words = dict(zip(("gyro", "accel"), words, strict=True))
         self.columns: list[str] = []
 
     def read_header(self, line: bytes) -> None:

@@ -5,10 +5,23 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from sculler_hdl import generate, timing
+from sculler_hdl import Generated, generate, timing
 from sculler_model.design import Design
 from sculler_model.outputs import gathering
 from sculler_sim.testbench import write_testbench
+
+
+def texts_of(generated: Generated) -> dict[str, str]:
+    """The files of a generated core, but for its test bench: texts by name."""
+    name = generated.manifest.design.name
+    texts = {
+        f"{name}.v": generated.verilog,
+        f"{name}.json": json.dumps(generated.manifest.as_json(), indent=2) + "\n",
+        **{f"{cell}.v": text for cell, text in generated.cells.items()},
+    }
+    if generated.listing is not None:
+        texts[f"{name}_schedule.txt"] = generated.listing
+    return texts
 
 
 def write_hardware(design: Design, folder: Path) -> list[Path]:
@@ -21,13 +34,7 @@ def write_hardware(design: Design, folder: Path) -> list[Path]:
         InputError: the folder cannot be made or written to.
     """
     generated = generate(design)
-    texts = {
-        f"{design.name}.v": generated.verilog,
-        f"{design.name}.json": json.dumps(generated.manifest.as_json(), indent=2) + "\n",
-        **{f"{cell}.v": text for cell, text in generated.cells.items()},
-    }
-    if generated.listing is not None:
-        texts[f"{design.name}_schedule.txt"] = generated.listing
+    texts = texts_of(generated)
     with gathering(folder) as gathered:
         for name, text in texts.items():
             (gathered / name).write_text(text, encoding="utf-8", newline="\n")

@@ -48,6 +48,12 @@ class Design(Part):
         sensor: what the sensor delivers: kind, rate, widths and scales.
         algorithm: the high-rate algorithm: family, n samples, p of history, M minors.
         hardware: how it becomes gates.
+
+    Example:
+        >>> import sculler
+        >>> design = sculler.Design.preset("stim300", samples=4, minors=5)
+        >>> design.samples_per_major, design.major_interval
+        (20, 0.01)
     """
 
     name: Annotated[str, Field(description="a Verilog name: letters, digits, single _")]

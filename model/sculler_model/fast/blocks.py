@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.design import COMPONENTS, HIGH_RESOLUTION_COLUMNS, Design, Result
+from sculler_model.tables import Table, vector_columns
 
 
 def component_dtype(design: Design) -> np.dtype[np.generic]:
@@ -18,7 +20,7 @@ def component_dtype(design: Design) -> np.dtype[np.generic]:
 
 
 @dataclass(frozen=True)
-class VectorBlock:
+class VectorBlock(Table):
     """Results of consecutive major intervals.
 
     Attributes:
@@ -28,6 +30,13 @@ class VectorBlock:
             high-resolution position (R, 27); int64, or object where the numbers may pass 64 bits.
         times: (R,) instant of each interval's end on the log's clock, s; None where the log has
             no stamps.
+
+    Example:
+        >>> import numpy as np, sculler
+        >>> design = sculler.Design.preset("stim300")
+        >>> block = sculler.FastModel(design).feed(np.full((40, 6), 3))
+        >>> block.to_numpy().shape, block.vector("alpha").tolist()
+        ((2, 20), [[60, 60, 60], [60, 60, 60]])
     """
 
     major: NDArray[np.int64]
@@ -97,6 +106,20 @@ class VectorBlock:
         """
         first = self.columns.index(f"{name}_x") - 2
         return self.components[:, first : first + 3]
+
+    def named_columns(self) -> dict[str, NDArray[Any]]:
+        """`major`, `status`, the components, and `time_s` (s) where the log had stamps."""
+        columns: dict[str, NDArray[Any]] = {"major": self.major, "status": self.status}
+        columns |= vector_columns(self.columns[2:], self.components)
+        return columns if self.times is None else columns | {"time_s": self.times}
+
+    def to_numpy(self) -> NDArray[Any]:
+        """All integers (R, 2 + components) in the order of `columns`, exact; `times` stay apart.
+
+        The dtype is int64, or object (Python integers) where the design has a component of more
+        than 64 bits.
+        """
+        return np.column_stack([self.major, self.status, self.components])
 
     def rows(self) -> Iterator[tuple[int, ...]]:
         """Python integers in the order of `columns`, row by row."""

@@ -69,6 +69,13 @@ class GoldenModel:
         t: running number of the next sample.
         major: number of the present major interval.
         status: its status so far; `alpha` and the other vectors of `Result` its sums so far.
+
+    Example:
+        >>> import sculler
+        >>> model = sculler.GoldenModel(sculler.Design.preset("stim300"))
+        >>> results = [model.step((1, 2, 3), (0, 0, -5)) for _ in range(20)]
+        >>> results[18] is None, results[19].alpha, results[19].nu
+        (True, (20, 40, 60), (0, 0, -100))
     """
 
     def __init__(self, design: Design) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +12,13 @@ from numpy.typing import NDArray
 from sculler_model.design import STATUS_SHORT_HISTORY
 from sculler_model.errors import InputError
 from sculler_model.frames import AxisMap
+from sculler_model.tables import Table, vector_columns
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class MajorIncrements:
+class MajorIncrements(Table):
     """Increments over R consecutive major intervals.
 
     Attributes:
@@ -33,6 +35,14 @@ class MajorIncrements:
             sums and corrections lack the samples before the first one (`require_whole`).
         times: (R,) s, the instant of each interval's END (`sculler_model.samples`); None where
             it is not told.
+
+    Example:
+        >>> import numpy as np, sculler
+        >>> design = sculler.Design.preset("stim300")
+        >>> vectors = sculler.FastModel(design).feed(np.full((40, 6), 3))
+        >>> found = sculler.increments(design, vectors)
+        >>> found.phi.shape, bool(np.allclose(found.phi, 60 * design.gyro_scale))
+        ((2, 3), True)
     """
 
     phi: Array
@@ -44,6 +54,19 @@ class MajorIncrements:
 
     def __len__(self) -> int:
         return len(self.phi)
+
+    def named_columns(self) -> dict[str, NDArray[Any]]:
+        """`time_s`, `status`, and `phi_x` to `dr_sf_z`, of what is there."""
+        columns: dict[str, NDArray[Any]] = {}
+        if self.times is not None:
+            columns["time_s"] = self.times
+        if self.status is not None:
+            columns["status"] = self.status
+        for name in ("phi", "alpha", "dv_sf", "dr_sf"):
+            vectors = getattr(self, name)
+            if vectors is not None:
+                columns |= vector_columns((f"{name}_x", f"{name}_y", f"{name}_z"), vectors)
+        return columns
 
     def __getitem__(self, part: slice) -> MajorIncrements:
         """Consecutive intervals."""

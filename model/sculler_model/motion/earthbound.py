@@ -66,6 +66,13 @@ class Motion(Sampled):
 
     Raises:
         InputError: the path begins within 0.1° of a pole of the Earth's own grid.
+
+    Example:
+        >>> import sculler
+        >>> still = sculler.Motion(lat=0.8, lon=0.2, h=500.0)
+        >>> samples = still.increments(3, 0.01)
+        >>> samples.shape, f"{samples[0, 5] / 0.01:.2f} m/s²"
+        ((3, 6), '-9.81 m/s²')
     """
 
     lat: float

@@ -127,6 +127,15 @@ class Navigator:
     Raises:
         InputError: the state is not one to navigate from (see `check_state`), is outside a gravity
             table, or an argument is out of its range.
+
+    Example:
+        >>> import sculler
+        >>> north = (1.0, 0.0, 0.0, 0.0)
+        >>> start = sculler.NavState(0.0, north, (10.0, 0.0, 0.0), 0.8, 0.2, 500.0)
+        >>> navigator = sculler.Navigator(start, interval=0.01)
+        >>> after = navigator.update(phi=(0.0, 0.0, 0.0), dv_sf=(0.0, 0.0, -0.0981))
+        >>> after.time, bool(after.lat > start.lat)
+        (0.01, True)
     """
 
     def __init__(

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import degrees, isfinite, pi, sqrt
-from typing import NamedTuple, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from sculler_model.errors import InputError
 from sculler_model.frames import Quaternion, Vector, euler_angles, to_euler
 from sculler_model.host import MajorIncrements
+from sculler_model.tables import Table, vector_columns
 
 Array = NDArray[np.float64]
 
@@ -37,6 +38,13 @@ class NavState(NamedTuple):
         h: height above the ellipsoid, m.
         wander: the wander angle α, from north to the x axis of the frame that the mechanisation
             works in, positive towards east, rad in -pi..pi; 0 for a north-pointing one.
+
+    Example:
+        >>> import sculler
+        >>> still = (0.0, 0.0, 0.0)
+        >>> state = sculler.NavState(0.0, (1.0, 0.0, 0.0, 0.0), still, 0.8, 0.2, 500.0)
+        >>> state.euler
+        (0.0, 0.0, 0.0)
     """
 
     time: float
@@ -67,7 +75,7 @@ class NavState(NamedTuple):
 
 
 @dataclass(frozen=True)
-class NavHistory:
+class NavHistory(Table):
     """States at many instants, as arrays (see `NavState` for frames and units).
 
     Attributes:
@@ -77,6 +85,13 @@ class NavHistory:
         lat, lon: (N,) rad.
         h: (N,) m.
         wander: (N,) rad; zeros if left out.
+
+    Example:
+        >>> import sculler
+        >>> state = sculler.NavState(0.0, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.8, 0.2, 500.0)
+        >>> history = sculler.NavHistory.from_states([state, state])
+        >>> history.to_numpy().shape, list(history.named_columns())[:5]
+        ((2, 15), ['time_s', 'q_w', 'q_x', 'q_y', 'q_z'])
     """
 
     time: Array
@@ -141,6 +156,19 @@ class NavHistory:
             float(self.h[row]),
             float(self.wander[row]),
         )
+
+    def named_columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of `sculler navigate`: angles in degrees, the rest in SI units."""
+        return {
+            "time_s": self.time,
+            **vector_columns(("q_w", "q_x", "q_y", "q_z"), self.q),
+            **vector_columns(("roll_deg", "pitch_deg", "heading_deg"), np.degrees(self.euler)),
+            **vector_columns(("v_north", "v_east", "v_down"), self.v),
+            "lat_deg": np.degrees(self.lat),
+            "lon_deg": np.degrees(self.lon),
+            "height_m": self.h,
+            "wander_deg": np.degrees(self.wander),
+        }
 
     @property
     def v_enu(self) -> Array:

@@ -142,6 +142,8 @@ class Plan:
         split: begin anew after a break, which else is refused.
         gravity: the model of gravity.
         noise: what is known of the sensors, for the alignment.
+        realign: align anew after a break; else coast over it, and gather a window that a break
+            cuts anew.
     """
 
     design: Design
@@ -157,3 +159,4 @@ class Plan:
     split: bool = False
     gravity: Gravity = NORMAL
     noise: SensorNoise = ESTIMATED
+    realign: bool = True

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sculler.checks.first_seconds import FirstSeconds
 from sculler.checks.oddities import Oddities
-from sculler.checks.vector_breaks import Break, begins_at, stretches
+from sculler.checks.vector_breaks import Break, Stretches, begins_at
 from sculler.runs.navigation.against_truth import AgainstTruth
 from sculler.runs.navigation.plan import Plan
 from sculler.words import plural
@@ -72,6 +72,13 @@ class Seen:
     breaks: list[dict[str, float | int | str]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
+    def status_warnings(self) -> list[str]:
+        """Each status bit that results carried, in words."""
+        return [
+            f"{plural(count, 'result')} {STATUSES[key][1]}, the first one ends at {time:.15g} s"
+            for key, (count, time) in self.statuses.items()
+        ]
+
 
 class NavigationRun:
     """Carries a state over vectors that come in blocks; `seen` tells what happened.
@@ -92,6 +99,7 @@ class NavigationRun:
         self._T, self._half = plan.design.major_interval, 0.5 * plan.design.sample_interval
         self.seen = Seen()
         self._oddities = Oddities(plan.design)
+        self._stretches = Stretches(plan.design)
         self._first: FirstSeconds | None = None
         self._span: tuple[float, float] | None = None  # of the vectors so far
         self._over = False
@@ -104,6 +112,7 @@ class NavigationRun:
         self._edge: float | None = None  # where the next interval begins
         self._window: list[MajorIncrements] = []  # to align with
         self._window_from = 0.0
+        self._gathered = 0  # intervals in it
         self._third_order = ThirdOrder() if self._plan.third_order else None
         self._left_out = 0
 
@@ -114,14 +123,25 @@ class NavigationRun:
             InputError: there is nothing to run over, a break that is refused, a start that is not
                 there, or what alignment and navigator refuse.
         """
-        for part in stretches(self._plan.design, blocks):
+        for block in blocks:
+            self.feed(block)
+            if self._over:
+                break
+        self._finish()
+
+    def feed(self, block: VectorBlock) -> None:
+        """Run over the next block, which may be of any size; what comes after the end is left out.
+
+        Raises:
+            InputError: as `take`, but for what only the end of the vectors shows.
+        """
+        for part in self._stretches(block):
+            if self._over:
+                break
             if isinstance(part, Break):
                 self._after_break(part)
             else:
                 self._take(part)
-            if self._over:
-                break
-        self._finish()
 
     def _take(self, block: VectorBlock) -> None:
         """The next consecutive intervals."""
@@ -137,6 +157,7 @@ class NavigationRun:
         if self._navigator is None:
             anew = self.seen.start is not None and self._reference is not None
             align = plan.align is not None and not anew
+            align = align and (plan.realign or self.seen.start is None)
             begin = self._aligned if align else self._started
             increments = begin(increments, np.concatenate([[edge], times[:-1]]))
         if self._navigator is not None and len(increments):
@@ -239,8 +260,9 @@ class NavigationRun:
             if not len(increments):
                 return increments
             self._window_from = float(begins[0])
-        wanted = max(1, round(plan.align / self._T)) - sum(map(len, self._window))
+        wanted = max(1, round(plan.align / self._T)) - self._gathered
         self._window.append(increments[:wanted])
+        self._gathered += len(self._window[-1])
         if len(increments) < wanted:
             return increments[len(increments) :]
         window = MajorIncrements.concatenate(self._window)
@@ -328,7 +350,7 @@ class NavigationRun:
             )
         if found.seconds < -self._half:
             raise InputError(f"{where}: time runs back; put the log in order")
-        if self._window and self._navigator is None:
+        if self._window and self._navigator is None and plan.realign:
             raise InputError(
                 f"{where}, inside the window of --align; give a shorter one, or cut the log"
             )
@@ -366,10 +388,7 @@ class NavigationRun:
             self._reference.finish()
         if self._first is not None and self._first.warning is not None:
             seen.warnings.append(self._first.warning)
-        for key, (count, time) in seen.statuses.items():
-            seen.warnings.append(
-                f"{plural(count, 'result')} {STATUSES[key][1]}, the first one ends at {time:.15g} s"
-            )
+        seen.warnings += seen.status_warnings()
         if len(seen.breaks) > BREAKS_TOLD:
             seen.warnings.append(f"{plural(len(seen.breaks) - BREAKS_TOLD, 'more break')}")
         seen.warnings += self._oddities.finish()

@@ -36,6 +36,12 @@ class Environment:
         half_angle, hertz: classical coning (rad, Hz), or 0.
         peak_rate: largest angular rate of manoeuvres, rad/s.
         peak_force: largest specific force of manoeuvres, m/s².
+
+    Example:
+        >>> import math, sculler
+        >>> coning = sculler.Environment(half_angle=math.radians(0.1), hertz=50)
+        >>> coning.spectrum is None, coning.peak_rate
+        (True, 0.0)
     """
 
     spectrum: Spectrum | None = None
@@ -54,6 +60,11 @@ class Requirement:
         drift: °/h, or None.
         force: µg, or None.
         host_rate: results a second that the host wants at least, Hz.
+
+    Example:
+        >>> import sculler
+        >>> sculler.Requirement(drift=0.01).host_rate
+        100.0
     """
 
     drift: float | None = None

@@ -37,6 +37,14 @@ class Candidate:
         cost: what it takes.
         faults: why it fails, in words; none if it meets everything.
         excess: largest ratio of what is left to what is allowed.
+
+    Example:
+        >>> import math, sculler
+        >>> coning = sculler.Environment(half_angle=math.radians(0.1), hertz=50)
+        >>> base = sculler.Design.preset("stim300")
+        >>> found = sculler.advise(base, coning, sculler.Requirement(drift=1e-9), most_samples=1)
+        >>> isinstance(found[0], sculler.Candidate), found[0].meets, len(found[0].faults) > 0
+        (True, False, True)
     """
 
     design: Design

@@ -1,0 +1,96 @@
+"""Truth motions, and what a sensor would deliver of them."""
+
+from __future__ import annotations
+
+from inspect import signature
+from math import degrees, radians
+from typing import Any
+
+import numpy as np
+
+from sculler.library.logs import Log
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.motion import MOTIONS, PLACE, Motion
+from sculler_model.samples import Quantiser, sample_stamp
+
+
+def motion(
+    name: str,
+    *,
+    lat: float = degrees(PLACE[0]),
+    lon: float = degrees(PLACE[1]),
+    height: float = PLACE[2],
+    **parameters: float,
+) -> Motion:
+    """A motion over the turning Earth whose attitude, velocity and position are known exactly.
+
+    Args:
+        name: one of the catalogue: rest, coning, sculling, spin-cone, spin-rock-size, turn,
+            great-circle, pole, flight, demo.
+        lat, lon: where it begins, degrees, geodetic on WGS-84; a motion whose place is its own
+            (pole, demo) takes no notice of what does not apply.
+        height: m above the ellipsoid.
+        parameters: the motion's own, in SI units and rad (`sculler_model.motion`), such as
+            `speed=30.0` or `half_angle=0.01`.
+
+    Returns:
+        The motion: `state(t)` is the truth at instants t (s); `increments` and `rates` are exact
+        samples (N, 6), rad and m/s (rad/s and m/s²), body frame forward, right, down.
+
+    Raises:
+        InputError: there is no such motion or parameter.
+
+    Example:
+        >>> import numpy as np, sculler
+        >>> turn = sculler.motion("turn", lat=48, lon=11, height=500, speed=20.0)
+        >>> truth = turn.state(np.array([0.0, 1.0]))
+        >>> bool(np.allclose(np.hypot(truth.v[:, 0], truth.v[:, 1]), 20.0, atol=0.01))
+        True
+    """
+    if name not in MOTIONS:
+        raise InputError(f"motion: {name!r} is not known, give one of {', '.join(MOTIONS)}")
+    make = MOTIONS[name].make
+    allowed = signature(make).parameters
+    for key in parameters:
+        if key not in allowed:
+            raise InputError(
+                f"motion: {name} has no parameter {key}, it has {', '.join(allowed) or 'none'}"
+            )
+    place: dict[str, Any] = {"lat": radians(lat), "lon": radians(lon), "h": height}
+    return make(**{key: value for key, value in place.items() if key in allowed}, **parameters)
+
+
+def record(design: Design, motion: Motion, seconds: float) -> Log:
+    """What the design's sensor would deliver of a motion: exact samples, rounded to counts.
+
+    Rounding is carried on from sample to sample, so that sums keep to half a count
+    (`sculler_model.samples.Quantiser`).
+
+    Args:
+        design: gives kind, rate, widths and scales.
+        motion: from time 0 on.
+        seconds: how long.
+
+    Returns:
+        N = seconds times the rate samples, with stamps on a clock that began with the log (s).
+
+    Raises:
+        InputError: no sample fits in that time, or the sensor's width does not hold the motion.
+
+    Example:
+        >>> import sculler
+        >>> design = sculler.Design.preset("stim300")
+        >>> log = sculler.record(design, sculler.motion("rest"), 0.01)
+        >>> log.counts.shape, log.times[-1].item()
+        ((20, 6), 0.01)
+    """
+    samples = int(seconds * design.sensor.sample_rate_hz + 1e-9)
+    if samples < 1:
+        raise InputError(f"seconds: {seconds:g} holds no sample, give more")
+    quantise = Quantiser(design)
+    chunks = motion.chunks(design.sensor.kind, samples, design.sample_interval)
+    counts = np.concatenate([quantise(chunk) for chunk in chunks])
+    first = sample_stamp(design, 0)
+    times = first + np.arange(samples) / design.sensor.sample_rate_hz
+    return Log(counts, times=times)
