@@ -51,7 +51,7 @@ def write_document(path: Path, compute: Callable[[Path], tuple[str, list[Path]]]
         InputError: matplotlib is absent, or a folder cannot be made or written to.
     """
     require_matplotlib()
-    images = make_folder(Path(normpath(path.parent / IMAGES)))
+    images = make_folder(Path(normpath(make_folder(path.parent) / IMAGES)))
     text, pictures = compute(images)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")

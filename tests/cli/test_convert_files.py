@@ -82,7 +82,7 @@ def test_formats_and_options_are_known() -> None:
     options = {option.name for option in command.params}
     names = [each.name for each in formats.every()]
     assert names == list(formats.MODULES)
-    page = (Path(__file__).parents[2] / "docs" / "formats.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "reference" / "input-formats.md").read_text()
     for each in formats.every():
         assert each.options <= options
         assert each.about

@@ -14,7 +14,7 @@ from studies import documents
 def test_a_document_goes_beside_its_pictures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path, images = tmp_path / "docs" / "figures.md", tmp_path / "docs" / "images"
+    path, images = tmp_path / "docs" / "page" / "figures.md", tmp_path / "docs" / "images"
 
     def compute(folder: Path) -> tuple[str, list[Path]]:
         assert folder == images

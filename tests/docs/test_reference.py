@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from sculler.formats import history, log, truth
+from sculler.formats import gravity, history, log, truth
 from sculler_hdl import generate
 from sculler_model import design as design_room
+from sculler_model.analysis.vibration import SPECTRUM_COLUMNS
 from sculler_model.design import HIGH_RESOLUTION_COLUMNS, Design
 
 REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
@@ -36,6 +37,7 @@ def first_column(page: str, after: str = "") -> list[str]:
         ("vectors.md", HIGH_RESOLUTION_COLUMNS, ["time_s"]),
         ("navigation-output.md", [*history.HEADER.split(","), history.WANDER], []),
         ("truth-files.md", sorted(truth.KNOWN), []),
+        ("small-files.md", [*gravity.COLUMNS, *SPECTRUM_COLUMNS], ["gain", "phase_deg"]),
     ],
 )
 def test_columns_of_files(page: str, columns: list[str], besides: list[str]) -> None:

@@ -23,6 +23,7 @@ from sculler_model.host import MajorIncrements, velocity_rotation
 from sculler_model.motion import Curve, Motion, Turn, X, Y, Z, at_rest
 from sculler_model.navigation import SensorNoise, align, align_finely
 from sculler_model.navigation.attitude_estimate import euler_sigmas
+from tiers import few_of
 
 Array = NDArray[np.float64]
 
@@ -141,7 +142,7 @@ def told_and_found(
     return {name: (rms(told[name]), rms(found[name])) for name in told}
 
 
-@pytest.mark.parametrize("unit", UNITS.values(), ids=UNITS)
+@pytest.mark.parametrize("unit", few_of(UNITS, ["stim300", "navigation grade"]))
 def test_told_is_found_with_noise_that_the_window_shows(unit: Unit) -> None:
     for name, (told, found) in told_and_found(unit, SensorNoise()).items():
         assert told == pytest.approx(found, rel=WITHIN, abs=0), name

@@ -76,7 +76,7 @@ ON_ECP5 = {name: with_hardware(design, target="ecp5") for name, design in DESIGN
 # in very short and very long major intervals a second result wins no clocks
 ROOM_FOR_ONE = "savage_1p1 taylor_3p3 taylor_6p2 taylor_7p0 smallest late_sum_2".split()
 TWO_RESULTS = {name: design for name, design in ON_ECP5.items() if name not in ROOM_FOR_ONE}
-EACH_WITH_TWO = pytest.mark.parametrize("design", few_of(TWO_RESULTS, ["stim300_4x5", "rate_1p0"]))
+EACH_WITH_TWO = pytest.mark.parametrize("design", few_of(TWO_RESULTS, ["stim300_4x5"]))
 
 
 @EACH_WITH_TWO

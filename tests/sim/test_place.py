@@ -466,18 +466,24 @@ def test_an_ecp5_block_ram_sets_a_ceiling(runs):
     assert ("DP16KD", 212) in {(limit.block, round(limit.mhz)) for limit in found.limits}
 
 
-def test_the_same_again_comes_from_the_cache(runs, monkeypatch):
-    design, found = runs("ice40")
+@pytest.mark.parametrize(
+    ("family", "other_speed"), [("ice40", None), pytest.param("ecp5", 7, marks=pytest.mark.deep)]
+)
+def test_the_same_again_comes_from_the_cache(runs, monkeypatch, family, other_speed):
+    design, found = runs(family)
+    device, speed = find_device({"ecp5": "LFE5U-25F", "ice40": "UP5K"}[family])
+    seeds = tuple(seed.seed for seed in found.seeds)
 
     def run(*_):
         raise AssertionError("a tool was run")
 
     monkeypatch.setattr(Tool, "run", run)
-    assert place(design, ECP5, 6, seeds=(1, 2)) == found
+    assert place(design, device, speed, seeds=seeds) == found
     with pytest.raises(AssertionError, match="a tool was run"):
-        place(design, ECP5, 6, seeds=(3,))
-    with pytest.raises(AssertionError, match="a tool was run"):
-        place(design, ECP5, 7, seeds=(1,))
+        place(design, device, speed, seeds=(3,))
+    if other_speed is not None:
+        with pytest.raises(AssertionError, match="a tool was run"):
+            place(design, device, other_speed, seeds=(1,))
 
 
 def test_an_area_estimate_for_xilinx(tools, product, monkeypatch, tmp_path):

@@ -22,11 +22,12 @@ def command(first: Path, second: Path, as_json: bool) -> int:
     Exit status 0 if they are; else 1, with the first difference: major, column and both values.
     """
     from sculler.formats.comparison import compare
+    from sculler.formats.vectors import results_in
 
     difference = compare(first, second)
     data = {"first": str(first), "second": str(second), "identical": difference is None}
     if difference is None:
-        rows = _rows(first)
+        rows = results_in(first)
         told = "" if rows is None else f": {terminal.plural(rows, 'row')}"
         terminal.report(data | {"rows": rows}, as_json, f"identical{told}")
         return 0
@@ -36,11 +37,3 @@ def command(first: Path, second: Path, as_json: bool) -> int:
         f"different: {terminal.verbatim(difference.describe(first, second))}",
     )
     return _FAILED
-
-
-def _rows(path: Path) -> int | None:
-    """Rows of a vectors file below its header; None of a pipe, which can be read but once."""
-    if not path.is_file():
-        return None
-    with path.open("rb") as file:
-        return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b"")) - 1

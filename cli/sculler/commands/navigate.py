@@ -82,7 +82,8 @@ def command(
     one of the two has is left out, and said.  A truth may tell attitude, velocity or position
     alone; what it does not tell of the initial state comes from the options.
     """
-    from sculler.runs.navigation import navigate_file, results_in, told
+    from sculler.formats.vectors import results_in
+    from sculler.runs.navigation import navigate_file, told
 
     plan = options.plan(terminal.load_design(design_name), vectors, truth, asked)
     with terminal.progress("navigating", results_in(vectors)) as advance:

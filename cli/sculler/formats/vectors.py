@@ -273,3 +273,15 @@ def _check_widths(
 def _shown(value: object) -> str:
     text = repr(value)
     return text if len(text) <= 40 else text[:37] + "..."
+
+
+def results_in(path: str | Path) -> int | None:
+    """Results in a vectors file, by its lines; None where it cannot be told beforehand."""
+    path = Path(path)
+    if not path.is_file():  # a pipe can be read but once
+        return None
+    try:
+        with path.open("rb") as file:
+            return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b"")) - 1
+    except OSError:  # told where it is read
+        return None

@@ -2,8 +2,8 @@
 
 An `.npz` file holds the arrays
 
-* `gyro` (or another of `named.GYRO_NAMES`) and `accel` (or another of `named.ACCEL_NAMES`), each
-  (N, 3); or others that the user names;
+* `gyro` (or another of `array_choice.GYRO_NAMES`) and `accel` (or another of
+  `array_choice.ACCEL_NAMES`), each (N, 3); or others that the user names;
 * optionally `time` (or `t`, `timestamp`, `timestamps`), (N,): whole numbers count ns, others s;
 * optionally `fault`, (N,) of 0 and 1;
 * optionally the strings `gyro_unit`, `accel_unit`, `time_unit`, as the options of `convert` name
@@ -121,12 +121,7 @@ def read_parquet(path: Path, request: Request) -> Recording:
     times = (request.time,) if request.time is not None else () if known is None else known.time
     faults = [FAULT] * (FAULT in names and FAULT not in columns)
     wanted = [*columns, *times, *faults]
-    for name in wanted:
-        if names.count(name) != 1:
-            raise InputError(
-                f"{path}: no column {name!r} of its own, the file has {', '.join(names)[:200]};"
-                " give --gyro-columns and --accel-columns"
-            )
+    _require_columns(path, names, wanted)
     clock = None
     if times:
         kind = file.schema_arrow.field(times[0]).type
@@ -157,6 +152,15 @@ def read_parquet(path: Path, request: Request) -> Recording:
             raise InputError(f"{path}: the log has no samples, give some")
 
     return Recording(*units, chunks(), bool(faults), clock, notes)
+
+
+def _require_columns(path: Path, names: Sequence[str], wanted: Sequence[str]) -> None:
+    for name in wanted:
+        if names.count(name) != 1:
+            raise InputError(
+                f"{path}: no column {name!r} of its own, the file has {', '.join(names)[:200]};"
+                " give --gyro-columns and --accel-columns"
+            )
 
 
 def _stamps(path: Path, given: list[NDArray[Any]]) -> NDArray[np.int64] | NDArray[np.float64]:

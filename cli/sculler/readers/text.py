@@ -151,19 +151,11 @@ def number_rows(
         if any(COMMENT in text for text in lines):
             rows_of = [text for text in lines if is_content(text)]
         if any(not text.isspace() for text in rows_of):
-            rounded = None
             try:
-                table = _table(rows_of, kinds, delimiter, places)
+                table, rounded = _parsed(rows_of, kinds, delimiter, places, whole)
             except (ValueError, OverflowError) as error:
-                mended, rounded = _with_whole(rows_of, whole, delimiter)
-                if rounded is None:
-                    _explain(lines, path, line, columns, whole, delimiter)
-                    raise InputError(f"{path}: from line {line} on: {error}") from error
-                try:
-                    table = _table(mended, kinds, delimiter, places)
-                except (ValueError, OverflowError) as other:
-                    _explain(lines, path, line, columns, whole, delimiter)
-                    raise InputError(f"{path}: from line {line} on: {other}") from other
+                _explain(lines, path, line, columns, whole, delimiter)
+                raise InputError(f"{path}: from line {line} on: {error}") from error
             if not np.isfinite(table["values"]).all():
                 _explain(lines, path, line, columns, whole, delimiter)
             rows += len(table)
@@ -179,6 +171,27 @@ def is_content(line: str) -> bool:
     """Whether a line is neither blank nor a comment."""
     text = line.lstrip()
     return bool(text) and not text.startswith(COMMENT)
+
+
+def _parsed(
+    lines: list[str],
+    kinds: np.dtype[np.void],
+    delimiter: str | None,
+    places: Sequence[int],
+    whole: Sequence[Column],
+) -> tuple[NDArray[np.void], str | None]:
+    """The table of some lines, and the first whole number with an exponent, or None.
+
+    Raises:
+        ValueError, OverflowError: a value is no number, or no whole one.
+    """
+    try:
+        return _table(lines, kinds, delimiter, places), None
+    except (ValueError, OverflowError):
+        mended, rounded = _with_whole(lines, whole, delimiter)
+        if rounded is None:
+            raise
+        return _table(mended, kinds, delimiter, places), rounded
 
 
 def _table(

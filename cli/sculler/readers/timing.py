@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
 from typing import Literal
@@ -12,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.checks.stamps import Shift, ShiftFinder, wrong_rate
+from sculler.readers.bridging import bridged, concatenated, last_time, part, with_last
 from sculler.readers.recording import Recording, Samples
-from sculler.readers.rollover import Rollover, Unwrapper
+from sculler.readers.rollover import Unwrapper
+from sculler.readers.timing_report import Gap, TimingReport
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.samples import Kind, Resampler
+from sculler_model.samples import Kind
 
 Gaps = Literal["refuse", "bridge", "ignore"]
 Steps = Literal["even", "resample"]
@@ -26,67 +27,6 @@ _STRAY = 0.75  # intervals: a stamp further from its place is passed over
 _EVEN = 0.05  # intervals: stamps this near to even steps are in their places
 _FOLLOW = 0.1  # of a stamp's distance from its place, by which the next places follow
 _LISTED = 100  # gaps kept one by one; the rest are counted only
-
-
-@dataclass(frozen=True)
-class Gap:
-    """A lasting shift of the stamps: samples are missing.
-
-    Attributes:
-        sample: number of the first sample after it, in the file from 0 (or from --start on).
-        time: of the last sample before it, s of the file's clock.
-        seconds: from that sample to the next.
-        missing: samples that are not there.
-    """
-
-    sample: int
-    time: float
-    seconds: float
-    missing: int
-
-
-@dataclass
-class TimingReport:
-    """What the stamps showed.
-
-    Attributes:
-        samples: samples of the file that were taken.
-        start: first stamp, s of the file's clock.
-        span: from there to the last stamp, s.
-        longest_step, shortest_step: between samples with no gap between, s.
-        unequal: steps that differ by more than 1 % from the interval, gaps left out.
-        gap_count, missing: gaps, and samples missing in them, in all.
-        gaps: the first of them.
-        repeated: stamps that do not grow.
-        twice: those of them whose values repeat the sample before, too.
-        passed_over: stamps too far from their places, which were taken instead.
-        first_passed_over: sample number of the first of them.
-        too_many: samples more than the stamps have time for.
-        rollovers: where the clock was full and began anew.
-    """
-
-    samples: int = 0
-    start: float = 0.0
-    span: float = 0.0
-    longest_step: float = 0.0
-    shortest_step: float = np.inf
-    unequal: int = 0
-    gap_count: int = 0
-    missing: int = 0
-    gaps: list[Gap] = field(default_factory=list)
-    repeated: int = 0
-    twice: int = 0
-    passed_over: int = 0
-    first_passed_over: int | None = None
-    too_many: int = 0
-    rollovers: list[Rollover] = field(default_factory=list)
-
-    @property
-    def rate(self) -> float | None:
-        """Mean sample rate, Hz, samples missing in gaps counted; None where no time goes by."""
-        if self.samples < 2 or self.span <= 0:
-            return None
-        return (self.samples - 1 + self.missing) / self.span
 
 
 class Timing:
@@ -161,15 +101,15 @@ class Timing:
                 return
             times = np.empty(0) if chunk is None or chunk.times is None else chunk.times
             shifts = self._finder(times, last=chunk is None)
-            waiting = _joined(self._waiting)
+            waiting = concatenated(self._waiting)
             count = self._finder.decided - self.report.samples
             if not count:
                 self._waiting = [waiting]
                 continue
             if not self.report.samples:
                 self._require_rate(waiting, shifts, count)
-            self._waiting = [_part(waiting, count, None)] if count < len(waiting.values) else []
-            yield self._given_on(_part(waiting, 0, count), shifts)
+            self._waiting = [part(waiting, count, None)] if count < len(waiting.values) else []
+            yield self._given_on(part(waiting, 0, count), shifts)
 
     def _require_growth(self, chunk: Samples, rest: Iterator[Samples]) -> None:
         """Whether the stamps grow; if not, the rest is read to count those that do not."""
@@ -255,12 +195,12 @@ class Timing:
         report.span = float(stamps[-1]) - self._begin
         if self._steps == "even":
             samples = samples._replace(times=self._placed(samples.times, at + 1 - before, first))
-        joined = _join(self._last, samples)
-        self._last = Samples(samples.values[-1:], None, _last_time(samples))
+        joined = with_last(self._last, samples)
+        self._last = Samples(samples.values[-1:], None, last_time(samples))
         self._last_stamp = float(stamps[-1])
         if self._gaps != "bridge" or not len(gaps):
             return samples
-        return _bridged(joined, at, missing, T if self._given == "increment" else None, before)
+        return bridged(joined, at, missing, T if self._given == "increment" else None, before)
 
     def _note_stamps(
         self, samples: Samples, stamps: NDArray[np.float64], gaps: list[Shift], first: int
@@ -349,113 +289,3 @@ class Timing:
 def _step_back(before: float, after: float, at: float) -> str:
     what = "repeats the stamp before" if after == before else f"goes back by {before - after:.6g} s"
     return f"{what} ({at:.9f} s)"
-
-
-def _last_time(samples: Samples) -> NDArray[np.float64] | None:
-    return None if samples.times is None else samples.times[-1:]
-
-
-def _joined(chunks: list[Samples]) -> Samples:
-    if len(chunks) == 1:
-        return chunks[0]
-    values, faults, times = zip(*chunks, strict=True)
-    return Samples(
-        np.concatenate(values),
-        None if faults[0] is None else np.concatenate(faults),
-        np.concatenate(times),
-    )
-
-
-def _part(samples: Samples, begin: int, end: int | None) -> Samples:
-    values, faults, times = samples
-    return Samples(
-        values[begin:end],
-        None if faults is None else faults[begin:end],
-        None if times is None else times[begin:end],
-    )
-
-
-def _join(last: Samples | None, samples: Samples) -> Samples:
-    """The last sample before, and the samples; faults left to the latter."""
-    if last is None or last.times is None or samples.times is None:
-        return samples
-    return Samples(
-        np.concatenate([last.values, samples.values]),
-        samples.faults,
-        np.concatenate([last.times, samples.times]),
-    )
-
-
-def _bridged(
-    joined: Samples,
-    at: NDArray[np.int64],
-    missing: NDArray[np.int64],
-    interval: float | None,
-    before: int,
-) -> Samples:
-    """Samples put in after rows `at`, as many as are `missing`; the first `before` rows left out.
-
-    Args:
-        joined: the samples; `faults` are those of the rows that stay.
-        at, missing: which gaps, and how many samples each lacks.
-        interval: that increments last; None for rates, which last no time.
-        before: 0 or 1.
-    """
-    assert joined.times is not None
-    rows = np.repeat(at, missing)
-    number = np.arange(len(rows)) - np.repeat(np.cumsum(missing) - missing, missing) + 1
-    share = number / np.repeat(missing + 1, missing)
-    begin, end = joined.values[rows], joined.values[rows + 1]
-    values = begin + share[:, None] * (end - begin)
-    length = joined.times[rows + 1] - joined.times[rows]
-    if interval is not None:
-        values *= (length / (np.repeat(missing + 1, missing) * interval))[:, None]
-    times = joined.times[rows] + share * length
-    flags = np.zeros(len(joined.times) - before, np.uint8)
-    if joined.faults is not None:
-        flags = joined.faults
-    place = rows + 1 - before
-    return Samples(
-        np.insert(joined.values[before:], place, values, axis=0),
-        np.insert(flags, place, 1),
-        np.insert(joined.times[before:], place, times),
-    )
-
-
-def resampled(
-    chunks: Iterator[Samples], resampler: Resampler, interval: float, steps: Steps
-) -> Iterator[Samples]:
-    """The chunks on the resampler's grid.
-
-    Args:
-        chunks: in order.
-        resampler: what brings them there.
-        interval: of the samples, s.
-        steps: `resample` goes by the stamps, and gives the grid's instants; `even` takes the
-            samples as one interval apart, so that each point of the grid is a sample's and has its
-            stamp.
-    """
-    count = passed = 0
-    stamps = np.empty(0)  # from sample `passed` on
-    for chunk in chain(chunks, [None]):
-        if chunk is None:
-            given = resampler.finish()
-        else:
-            times = np.arange(count, count + len(chunk.values), dtype=np.float64) * interval
-            count += len(chunk.values)
-            stamped = chunk.times is not None
-            if chunk.times is not None and steps == "even":
-                stamps = np.concatenate([stamps, chunk.times])
-            elif chunk.times is not None:
-                times = chunk.times
-            given = resampler(times, chunk.values, chunk.faults)
-        if not len(given.values):
-            continue
-        at: NDArray[np.float64] | None = given.times
-        if not stamped:
-            at = None
-        elif steps == "even":
-            number = np.rint(given.times / interval).astype(np.int64)
-            at = stamps[number - passed]
-            passed, stamps = int(number[-1]) + 1, stamps[number[-1] + 1 - passed :]
-        yield Samples(given.values, given.faults, at)

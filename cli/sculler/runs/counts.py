@@ -137,7 +137,7 @@ def model_log(
         log: a core log, or `-` for stdin.
         output: the vectors file; appears whole or not at all.
         engine: the vectorised twin, or the plain reference.
-        advance: told the bytes of the log read.
+        advance: told the bytes of the rows read.
         breaks: what to do where samples are missing.
 
     Raises:

@@ -9,8 +9,9 @@ from sculler.formats.log import LogWriter
 from sculler.readers.mounting import Mounting
 from sculler.readers.preparation import Watch, bounded, differenced, signed, unstamped
 from sculler.readers.recording import Recording, Samples, Unit
+from sculler.readers.resampling import resampled
 from sculler.readers.running_sums import Differences
-from sculler.readers.timing import Timing, resampled
+from sculler.readers.timing import Timing
 from sculler.runs.conversion.counts import Biases, Conversion
 from sculler.runs.conversion.outcome import Outcome
 from sculler.runs.conversion.plan import MAX_GAP, Plan

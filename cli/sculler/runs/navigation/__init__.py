@@ -1,7 +1,7 @@
 """A file of vectors navigated: from a plan to files, pictures and an `Outcome`."""
 
 from sculler.runs.navigation.against_truth import AgainstTruth
-from sculler.runs.navigation.files import navigate_file, results_in
+from sculler.runs.navigation.files import navigate_file
 from sculler.runs.navigation.outcome import Outcome, told
 from sculler.runs.navigation.plan import Carrier, Given, Plan
 from sculler.runs.navigation.run import STATUSES, NavigationRun, Seen
@@ -16,6 +16,5 @@ __all__ = [
     "Plan",
     "Seen",
     "navigate_file",
-    "results_in",
     "told",
 ]

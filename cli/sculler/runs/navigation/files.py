@@ -61,18 +61,6 @@ def navigate_file(
     return Outcome.of(plan, output, run.seen, reference, drawn, no_pictures)
 
 
-def results_in(vectors: str) -> int | None:
-    """Results in a vectors file, for progress; None where it cannot be told beforehand."""
-    path = Path(vectors)
-    if not path.is_file():  # a pipe can be read but once
-        return None
-    try:
-        with path.open("rb") as file:
-            return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 16), b"")) - 1
-    except OSError:  # told where it is read
-        return None
-
-
 def _advancing(blocks: Iterable[VectorBlock], advance: Advance) -> Iterator[VectorBlock]:
     """The same blocks; tells how many results went by."""
     for block in blocks:
