@@ -56,7 +56,7 @@ fuzz: $(READY)
 # The floors are those of pyproject.toml, found by uv.  First without any extra, then with all.
 LOWEST := .venv-lowest
 UV     := $(LOWEST)/bin/uv pip install --quiet --python $(LOWEST)/bin/python
-EXTRAS := sim,plots,formats,fast,place
+EXTRAS := sim,plots,formats,fast,frames,place
 
 test-lowest:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info >= (3, 13))' || \
@@ -71,7 +71,7 @@ test-lowest:
 	$(LOWEST)/bin/pytest -n auto --dist worksteal -q -m "not deep" -W ignore::DeprecationWarning \
 	  $(LOWEST_TESTS) </dev/null
 
-LOWEST_TESTS := tests/model tests/cli tests/hdl/test_verilog.py tests/sim/test_verilator_build.py \
+LOWEST_TESTS := tests/model tests/library tests/cli tests/hdl/test_verilog.py tests/sim/test_verilator_build.py \
   tests/sim/test_waves.py tests/sim/test_vectors_file.py --ignore=tests/cli/test_base_install.py
 
 lint: $(READY)

@@ -18,7 +18,7 @@ import pytest
 import every_verb
 from tiers import few_of
 
-EXTRAS = ("sim", "plots", "formats", "fast", "place")
+EXTRAS = ("sim", "plots", "formats", "fast", "frames", "place")
 REQUIRED = [line.partition(";") for line in metadata.requires("sculler") or ()]
 ABSENT = sorted({
     line.split("[")[0].split(">")[0].split("<")[0].split("=")[0].strip()

@@ -210,6 +210,30 @@ def test_after_a_break_nothing_is_aligned_anew() -> None:
     assert "position goes on with the velocity" in live.warnings[-1]
 
 
+def test_a_counter_that_goes_back_is_refused_and_nothing_taken() -> None:
+    log = _log(0.1)
+    live = sculler.LiveNavigator(DESIGN, sequence_bits=16, **BEGIN)
+    live.feed(log.counts[:50], sequence=np.arange(50))
+    for sequence in (49, 20):  # twice, and out of order
+        with pytest.raises(sculler.InputError, match=f"goes back from 49 to {sequence}"):
+            live.feed(log.counts[50], sequence=[sequence])
+    live.feed(log.counts[50:], sequence=np.arange(50, 200))
+    assert live.warnings == []
+    live.gap(0.1)  # the sensor began anew, and so did its counter
+    live.feed(log.counts, sequence=np.arange(200))
+    assert [each["seconds"] for each in live.breaks] == pytest.approx([0.1])
+
+
+def test_nothing_is_compiled_in_flight(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never() -> None:
+        raise AssertionError("compiled in flight")
+
+    monkeypatch.setattr("sculler_model.navigation.navigator.WORTH_COMPILING", 1)
+    monkeypatch.setattr("sculler_model.navigation.navigator.compiled_run", never)
+    live = sculler.LiveNavigator(DESIGN, **BEGIN)
+    assert len(live.feed(_log(0.1).counts)) == 11
+
+
 def test_the_clock_does_not_drift() -> None:
     # as after a day of samples one by one
     live = sculler.LiveNavigator(DESIGN, **BEGIN)

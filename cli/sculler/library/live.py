@@ -139,7 +139,7 @@ class LiveNavigator:
             faults: (N,) of 0 and 1, 1 where the sensor said that the sample is faulty.
             times: (N,) s, the sensor's stamps, good to less than `BREAK` of a sample interval; None
                 to count the samples.  Where a step is not a sample interval the sums begin anew.
-            sequence: (N,) a counter of samples; where it does not go up by one samples are
+            sequence: (N,) a counter of samples; where it goes up by more than one samples are
                 missing and the sums begin anew.
 
         Returns:
@@ -147,8 +147,8 @@ class LiveNavigator:
             a run is that at its start.  Often none.
 
         Raises:
-            InputError: a value has a fault; then nothing of them is taken.  Or the navigator cannot
-                follow.
+            InputError: a value has a fault, or the counter goes back without times; then nothing
+                of them is taken.  Or stamps run back, or the navigator cannot follow.
         """
         self._only("samples")
         log = counts if isinstance(counts, Log) else Log.of(counts, faults, times, sequence)
@@ -291,9 +291,17 @@ class LiveNavigator:
         if log.sequence is None or not len(log):
             return np.zeros(len(log), np.int64)
         last = log.sequence[0] - 1 if self._last_sequence is None else self._last_sequence
-        self._last_sequence = int(log.sequence[-1])
-        steps = np.diff(np.concatenate([[last], log.sequence]))
-        missing: NDArray[np.int64] = (steps - 1) % self._sequence_span
+        values = np.concatenate([[last], log.sequence])
+        missing: NDArray[np.int64] = (np.diff(values) - 1) % self._sequence_span
+        back = missing >= self._sequence_span // 2
+        if back.any() and log.times is None:
+            row = int(np.argmax(back))
+            raise InputError(
+                f"sequence: goes back from {values[row]} to {values[row + 1]}, and without times"
+                " nobody knows how long that took; leave out samples that came twice, or say"
+                " gap(seconds) before a sensor that began anew"
+            )
+        self._last_sequence = int(values[-1])
         return missing
 
     def _results(self, block: VectorBlock, major_bits: int | None) -> None:
