@@ -7,7 +7,7 @@ class Error(Exception):
     Its kinds are `InputError` (also a ValueError), `ToolError` and, of a simulation,
     `SimulationError` (both also a RuntimeError).
 
-    Example:
+    Examples:
         >>> import sculler
         >>> try:
         ...     sculler.Design.preset("no such sensor")
@@ -23,7 +23,7 @@ class InputError(Error, ValueError):
     The message is one line that says what is wrong, where, and how to mend it.  The command line
     prints it to stderr and exits with status 2.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> try:
         ...     sculler.Log.of([[0, 0, 0.5, 0, 0, 0]])
@@ -42,7 +42,7 @@ class ToolError(Error, RuntimeError):
 
     The message is one line; the command line prints it and exits with status 2.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> issubclass(sculler.ToolError, RuntimeError)
         True

@@ -27,7 +27,7 @@ CheckedChunk = tuple[NDArray[np.int32], NDArray[np.uint8]]
 class SimulationError(Error, RuntimeError):
     """The simulated core broke its contract: it stopped, or miscounted the words of a result.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> issubclass(sculler.SimulationError, RuntimeError)
         True

@@ -68,7 +68,7 @@ def test_every_public_name_is_documented_with_an_example_that_runs(
     thing: Any = getattr(sculler, name)
     text = vars(thing).get("__doc__") if isinstance(thing, type) else thing.__doc__
     assert text, f"sculler.{name} has no docstring"
-    assert "\n    Example:\n" in text, f"sculler.{name} has no example"
+    assert "\n    Examples:\n" in text, f"sculler.{name} has no example"
     monkeypatch.chdir(tmp_path)
     found = doctest.DocTestParser().get_doctest(text, {}, name, None, None)
     assert found.examples

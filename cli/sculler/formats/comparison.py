@@ -20,7 +20,7 @@ class Difference:
         column: name of the first unequal column; `major` where one file has ended.
         first, second: the two values, a float for `time_s`; None where that file has ended.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> design, counts = sculler.Design.preset("stim300"), np.ones((40, 6), int)
         >>> block = sculler.FastModel(design).feed(counts)

@@ -28,7 +28,7 @@ class Core:
         design: what it was made from.
         generated: what was made.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> core = sculler.generate(sculler.Design.preset("hg4930"))
         >>> isinstance(core, sculler.Core), core.manifest.latency_clocks > 0
@@ -84,7 +84,7 @@ def generate(design: Design) -> Core:
         InputError: `hardware.multipliers` are too few.
         ToolError: Yosys failed.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> core = sculler.generate(sculler.Design.preset("hg4930"))
         >>> sorted(core.files)
@@ -123,7 +123,7 @@ def simulate(
         InputError: the samples are at fault, a tool is missing, or the wave cannot be written.
         SimulationError: the core hangs.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> design, counts = sculler.Design.preset("hg4930"), np.full((8, 6), -3)
         >>> rtl = sculler.simulate(design, counts, engine="model")

@@ -63,7 +63,7 @@ class LiveNavigator:
     Raises:
         InputError: an argument has a fault or the place is missing.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> design = sculler.Design.preset("hg4930")
         >>> log = sculler.record(design, sculler.motion("rest"), 0.5)

@@ -39,7 +39,7 @@ class Log(Table):
             where there are none.
         sequence: (N,) int64, a counter of samples; None where there is none.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> log = sculler.Log.of(np.zeros((40, 6), np.uint16))
         >>> len(log), log.counts.dtype.name, list(log.named_columns())[:2]
@@ -141,7 +141,7 @@ def read_log(path: str | Path, design: Design | None = None) -> Log:
     Raises:
         InputError: the file cannot be read or has a fault; file, line and column are named.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> sculler.write_log("imu.csv", np.arange(12).reshape(2, 6))
         >>> sculler.read_log("imu.csv").counts.tolist()
@@ -164,7 +164,7 @@ def write_log(path: str | Path, log: LogLike) -> None:
     Raises:
         InputError: a value does not fit, or the file cannot be written.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> sculler.write_log("imu.csv", sculler.Log.of(np.ones((3, 6), int), faults=[0, 1, 0]))
         >>> from pathlib import Path

@@ -29,7 +29,7 @@ class FastModel(fast.FastModel):
         design: the design.
         samples: samples taken since reset.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> model = sculler.FastModel(sculler.Design.preset("stim300"))
         >>> block = model.feed(np.full((50, 6), 7, np.int8))

@@ -41,7 +41,7 @@ def motion(
     Raises:
         InputError: there is no such motion or parameter.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> turn = sculler.motion("turn", lat=48, lon=11, height=500, speed=20.0)
         >>> truth = turn.state(np.array([0.0, 1.0]))
@@ -78,7 +78,7 @@ def record(design: Design, motion: Motion, seconds: float) -> Log:
     Raises:
         InputError: no sample fits in that time, or the sensor's width does not hold the motion.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> design = sculler.Design.preset("stim300")
         >>> log = sculler.record(design, sculler.motion("rest"), 0.01)

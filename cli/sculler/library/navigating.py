@@ -49,7 +49,7 @@ def increments(
     Raises:
         InputError: the axes are no right-handed frame, or the vectors are of another design.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> design = sculler.Design.preset("stim300")
         >>> vectors = sculler.FastModel(design).feed(np.tile([5, 0, 0, 0, 0, -2], (20, 1)))
@@ -84,7 +84,7 @@ class Navigated:
         left_out: results of short history (status bit 0) that the run begins after.
         errors: figures against the truth, as `sculler navigate --json` gives them, or None.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> design = sculler.Design.preset("hg4930")
         >>> vectors = sculler.FastModel(design).feed(np.zeros((40, 6), int))
@@ -232,7 +232,7 @@ def navigate(
         InputError: an argument or a file has a fault, there is a break that is refused, or the
             navigator cannot follow the vectors.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> design = sculler.Design.preset("hg4930")
         >>> log = sculler.record(design, sculler.motion("rest", lat=48, lon=11, height=500), 2)

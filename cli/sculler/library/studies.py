@@ -32,7 +32,7 @@ def coning_drift(design: Design, half_angle: float, hertz: float) -> float:
     Raises:
         InputError: a number is out of its range.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> design = sculler.Design.preset("stim300")
         >>> left = sculler.coning_drift(design, half_angle=0.1, hertz=50)
@@ -72,7 +72,7 @@ def sculling_drift(design: Design, angle: float, force: float, hertz: float) -> 
     Raises:
         InputError: the frequency is not > 0.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> design = sculler.Design.preset("stim300")
         >>> abs(sculler.sculling_drift(design, angle=0.1, force=10.0, hertz=35)) < 1e-6
@@ -108,7 +108,7 @@ def advise(
     Raises:
         InputError: there is nothing to hold against a requirement.
 
-    Example:
+    Examples:
         >>> import math, sculler
         >>> coning = sculler.Environment(half_angle=math.radians(0.1), hertz=50)
         >>> base = sculler.Design.preset("stim300")

@@ -27,7 +27,7 @@ def read_vectors(path: str | Path, design: Design | None = None) -> VectorBlock:
     Raises:
         InputError: the file cannot be read or has a fault; its line is named.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> design = sculler.Design.preset("stim300")
         >>> block = sculler.FastModel(design).feed(np.full((40, 6), 7))
@@ -51,7 +51,7 @@ def write_vectors(path: str | Path, vectors: VectorBlock) -> None:
     Raises:
         InputError: the file cannot be written.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> design = sculler.Design.preset("stim300")
         >>> block = sculler.FastModel(design).feed(np.ones((20, 6), int))
@@ -78,7 +78,7 @@ def compare(first: VectorBlock | str | Path, second: VectorBlock | str | Path) -
     Raises:
         InputError: a file cannot be read or has a fault, or the two have other columns.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> design, counts = sculler.Design.preset("stim300"), np.ones((40, 6), int)
         >>> block = sculler.FastModel(design).feed(counts)

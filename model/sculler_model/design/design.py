@@ -49,7 +49,7 @@ class Design(Part):
         algorithm: the high-rate algorithm: family, n samples, p of history, M minors.
         hardware: how it becomes gates.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> design = sculler.Design.preset("stim300", samples=4, minors=5)
         >>> design.samples_per_major, design.major_interval

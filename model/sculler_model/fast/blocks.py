@@ -31,7 +31,7 @@ class VectorBlock(Table):
         times: (R,) instant of each interval's end on the log's clock, s; None where the log has
             no stamps.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> design = sculler.Design.preset("stim300")
         >>> block = sculler.FastModel(design).feed(np.full((40, 6), 3))

@@ -70,7 +70,7 @@ class GoldenModel:
         major: number of the present major interval.
         status: its status so far; `alpha` and the other vectors of `Result` its sums so far.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> model = sculler.GoldenModel(sculler.Design.preset("stim300"))
         >>> results = [model.step((1, 2, 3), (0, 0, -5)) for _ in range(20)]

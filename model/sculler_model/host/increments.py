@@ -36,7 +36,7 @@ class MajorIncrements(Table):
         times: (R,) s, the instant of each interval's END (`sculler_model.samples`); None where
             it is not told.
 
-    Example:
+    Examples:
         >>> import numpy as np, sculler
         >>> design = sculler.Design.preset("stim300")
         >>> vectors = sculler.FastModel(design).feed(np.full((40, 6), 3))

@@ -67,7 +67,7 @@ class Motion(Sampled):
     Raises:
         InputError: the path begins within 0.1° of a pole of the Earth's own grid.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> still = sculler.Motion(lat=0.8, lon=0.2, h=500.0)
         >>> samples = still.increments(3, 0.01)

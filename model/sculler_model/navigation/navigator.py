@@ -128,7 +128,7 @@ class Navigator:
         InputError: the state is not one to navigate from (see `check_state`), is outside a gravity
             table, or an argument is out of its range.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> north = (1.0, 0.0, 0.0, 0.0)
         >>> start = sculler.NavState(0.0, north, (10.0, 0.0, 0.0), 0.8, 0.2, 500.0)

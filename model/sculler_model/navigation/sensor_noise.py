@@ -55,7 +55,7 @@ class SensorNoise:
     Raises:
         InputError: a number is negative or not finite, or `velocity_noise` is 0.
 
-    Example:
+    Examples:
         >>> import math, sculler
         >>> noise = sculler.SensorNoise(gyro_bias=math.radians(0.01) / 3600)
         >>> noise.angle_random_walk is None

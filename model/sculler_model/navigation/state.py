@@ -39,7 +39,7 @@ class NavState(NamedTuple):
         wander: the wander angle α, from north to the x axis of the frame that the mechanisation
             works in, positive towards east, rad in -pi..pi; 0 for a north-pointing one.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> still = (0.0, 0.0, 0.0)
         >>> state = sculler.NavState(0.0, (1.0, 0.0, 0.0, 0.0), still, 0.8, 0.2, 500.0)
@@ -86,7 +86,7 @@ class NavHistory(Table):
         h: (N,) m.
         wander: (N,) rad; zeros if left out.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> state = sculler.NavState(0.0, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.8, 0.2, 500.0)
         >>> history = sculler.NavHistory.from_states([state, state])

@@ -37,7 +37,7 @@ class Environment:
         peak_rate: largest angular rate of manoeuvres, rad/s.
         peak_force: largest specific force of manoeuvres, m/s².
 
-    Example:
+    Examples:
         >>> import math, sculler
         >>> coning = sculler.Environment(half_angle=math.radians(0.1), hertz=50)
         >>> coning.spectrum is None, coning.peak_rate
@@ -61,7 +61,7 @@ class Requirement:
         force: µg, or None.
         host_rate: results a second that the host wants at least, Hz.
 
-    Example:
+    Examples:
         >>> import sculler
         >>> sculler.Requirement(drift=0.01).host_rate
         100.0

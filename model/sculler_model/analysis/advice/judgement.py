@@ -38,7 +38,7 @@ class Candidate:
         faults: why it fails, in words; none if it meets everything.
         excess: largest ratio of what is left to what is allowed.
 
-    Example:
+    Examples:
         >>> import math, sculler
         >>> coning = sculler.Environment(half_angle=math.radians(0.1), hertz=50)
         >>> base = sculler.Design.preset("stim300")
