@@ -32,14 +32,14 @@ def test_ranking_and_the_cheapest_as_a_design_file(run: Run, tmp_path: Path) -> 
 
 def test_fitted_designs_are_written_whole(run: Run, tmp_path: Path) -> None:
     """A band with its weights goes into the file and comes back the same."""
-    from sculler.commands.advise import _write
+    from sculler.runs.advice import write_design
 
     data = json.loads(
         run("advise", "stim300", "--spectrum", "savage-98", "--drift", 1e-3, "--json").out
     )
     fitted = next(f for f in data["meet"] if f["family"] == "least-squares")
     design = Design.parse(fitted["design"])
-    _write(tmp_path / "fitted.toml", design)
+    write_design(tmp_path / "fitted.toml", design)
     assert Design.load(tmp_path / "fitted.toml") == design
 
 

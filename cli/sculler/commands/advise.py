@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict
-from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,11 +13,12 @@ from sculler.commands.options.vibration import SPECTRUM_HELP, mount, mount_optio
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from sculler.runs.advice import Plan
     from sculler_model.analysis.advice import Candidate
-    from sculler_model.design import Design
 
 NONE_MEETS = 1
 SHOWN = 10
+_ASKED = ("coning", "peak_rate", "peak_force", "drift", "force", "host_rate", "by")
 
 
 @click.command(
@@ -95,17 +93,10 @@ SHOWN = 10
 def command(
     design_name: str,
     spectrum: str | None,
-    coning: tuple[float, float] | None,
-    peak_rate: float,
-    peak_force: float,
-    drift: float | None,
-    force: float | None,
-    host_rate: float,
-    by: str,
     show_all: bool,
     output: Path | None,
     as_json: bool,
-    **mount_values: float,
+    **asked: Any,
 ) -> int:
     """Find what to build for the sensor of DESIGN (a design file or a preset).
 
@@ -114,73 +105,39 @@ def command(
     bound over all phases (see analyze vibration); under coning it includes the triple products.
     Exit status 1 if nothing meets the requirement.
     """
-    from sculler.formats.spectra import spectrum_of
-    from sculler_model.analysis.advice import Environment, Requirement, advise
-    from sculler_model.analysis.vibration import G
-    from sculler_model.errors import InputError
+    from sculler.runs.advice import find_designs, write_design
 
-    if (spectrum is None) == (coning is None):
-        raise click.UsageError("give an environment: --spectrum or --coning")
-    if drift is None and force is None:
-        raise click.UsageError("give a requirement: --drift, --force or both")
-    base = terminal.load_design(design_name)
-    if coning is not None:
-        if force is not None:
-            raise click.UsageError("--force needs --spectrum: pure coning has no specific force")
-        if coning[0] > 45:
-            raise InputError(f"--coning: {coning[0]:g}° is not allowed, give at most 45")
-        if coning[1] >= base.sensor.sample_rate_hz / 2:
-            raise InputError(
-                f"--coning: {coning[1]:g} Hz is not below the Nyquist limit of"
-                f" {base.sensor.sample_rate_hz / 2:g} Hz, give less"
-            )
-    half_angle, hertz = coning or (0.0, 0.0)
-    environment = Environment(
-        spectrum=spectrum_of(spectrum) if spectrum is not None else None,
-        mount=mount(**mount_values),
-        half_angle=radians(half_angle),
-        hertz=hertz,
-        peak_rate=radians(peak_rate),
-        peak_force=G * peak_force,
-    )
-    found = advise(base, environment, Requirement(drift, force, host_rate), by=by)
-    good = [candidate for candidate in found if candidate.meets]
-    bad = [candidate for candidate in found if not candidate.meets]
-    data: dict[str, Any] = {
-        "sensor": base.name,
-        "meet": [_as_json(candidate) for candidate in good],
-        "fail": [_as_json(candidate) for candidate in bad],
-    }
+    outcome = find_designs(_plan(design_name, spectrum, asked))
+    good, bad = outcome.meet, outcome.fail
+    data = outcome.as_json()
     tables: list[Any] = [_meets(good, len(good) if show_all else SHOWN)] if good else []
+    wrote = []
     if output is not None and good:
-        _write(output, good[0].design)
+        write_design(output, good[0].design)
         data["output"] = str(output)
+        wrote = [f"wrote {terminal.verbatim(output)}"]
     tables.append(_fails(bad, len(bad) if show_all else SHOWN))
+    count = len(good) + len(bad)
     verdict = (
-        f"[green]{len(good)} of {len(found)} designs meet it[/], cheapest by {by} first"
+        f"[green]{len(good)} of {count} designs meet it[/], cheapest by {asked['by']} first"
         if good
-        else f"[red]none of {len(found)} designs meets it[/]"
+        else f"[red]none of {count} designs meets it[/]"
     )
-    wrote = [f"wrote {terminal.verbatim(output)}"] if output is not None and good else []
     terminal.report(data, as_json, verdict, *tables, *wrote)
     return 0 if good else NONE_MEETS
 
 
-def _as_json(candidate: Candidate) -> dict[str, Any]:
-    design = candidate.design
-    return {
-        "name": design.name,
-        "family": design.algorithm.family,
-        "samples": design.algorithm.samples,
-        "history": design.algorithm.history,
-        "minors": design.algorithm.minors,
-        "sample_rate_hz": design.sensor.sample_rate_hz,
-        "drift_deg_per_h": candidate.drift,
-        "force_ug": candidate.force,
-        "cost": asdict(candidate.cost),
-        "faults": list(candidate.faults),
-        "design": design.as_json(),
-    }
+def _plan(design_name: str, spectrum: str | None, asked: dict[str, Any]) -> Plan:
+    """What the options ask for."""
+    from sculler.formats.spectra import spectrum_of
+    from sculler.runs.advice import Plan
+
+    return Plan(
+        terminal.load_design(design_name),
+        mount(asked),
+        None if spectrum is None else spectrum_of(spectrum),
+        **{name: asked[name] for name in _ASKED},
+    )
 
 
 def _columns(table: Table) -> None:
@@ -242,24 +199,3 @@ def _fails(candidates: list[Candidate], count: int) -> Table:
     for candidate in candidates[:count]:
         table.add_row(*_cells(candidate), "; ".join(candidate.faults))
     return table
-
-
-def _write(path: Path, design: Design) -> None:
-    """The design as a file that `sculler` reads."""
-    from sculler_model.outputs import replacing
-
-    data = design.as_json()
-    lines = ["# found by sculler advise", f"name = {_toml(data.pop('name'))}"]
-    for part, values in data.items():
-        lines += ["", f"[{part}]", *(f"{key} = {_toml(value)}" for key, value in values.items())]
-    with replacing(path) as temporary:
-        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _toml(value: Any) -> str:
-    """A value on one line of TOML."""
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_toml, value)) + "]"
-    return json.dumps(value)  # strings, numbers and booleans are written alike

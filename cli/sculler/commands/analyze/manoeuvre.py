@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from sculler import terminal
-from sculler.commands.analyze import subjects
+from sculler.commands.options import analysis as options
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-REQUIREMENT = 0.07
-"""µrad: 4e-6 °, for all manoeuvres of a flight of 0.1 nmph navigation (Savage-20)."""
 
 NAMES = ("extreme", "turn-entry", "pitch-over")
 """`sculler_model.analysis.MANOEUVRES`, named here so that --help imports no numpy."""
@@ -29,7 +25,7 @@ NAMES = ("extreme", "turn-entry", "pitch-over")
         "sculler analyze manoeuvre stim300 --manoeuvre turn-entry --json",
     ),
 )
-@subjects.subject_options
+@options.subject_options
 @click.option(
     "--manoeuvre",
     "name",
@@ -56,8 +52,8 @@ NAMES = ("extreme", "turn-entry", "pitch-over")
     metavar="HZ",
     help="Fastest update rate.",
 )
-@click.option("--fine", is_flag=True, help="Run designs on a fine sensor, as families are.")
-@subjects.picture_option
+@options.fine_option
+@options.picture_option
 @terminal.json_option
 def command(
     name: str,
@@ -66,7 +62,7 @@ def command(
     fine: bool,
     output: Path | None,
     as_json: bool,
-    **chosen: Any,
+    **asked: Any,
 ) -> None:
     """Show the attitude error that a manoeuvre leaves, in µrad, against the update rate.
 
@@ -75,38 +71,18 @@ def command(
     kind forms; source 2 is what the coefficients leave beyond it (Savage-20).  Then both together,
     without and with the host's third-order correction, and both through the core's integers.
     """
-    from sculler_model.analysis.manoeuvre import MANOEUVRES, split, update_minors
+    from sculler.runs.analysis import ManoeuvrePlan, manoeuvre_study
 
-    subjects.require_picture(output)
-    manoeuvre = MANOEUVRES[name]
-    found = subjects.subjects(**chosen)
-    minors = {key: update_minors(s.design, low, high) for key, s in found.items()}
-    data: dict[str, Any] = {
-        "study": "manoeuvre",
-        "manoeuvre": name,
-        "seconds": manoeuvre.duration,
-        "peak_deg_per_s": manoeuvre.peak_degrees(),
-        "unit": "µrad",
-        "requirement": REQUIREMENT,
-        "profile": manoeuvre.profile(201),
-        "designs": {},
-    }
-    with terminal.progress("manoeuvres", sum(map(len, minors.values()))) as advance:
-        for key, subject in found.items():
-            own = not (fine or subject.of_family)
-            rows = []
-            for M in minors[key]:
-                rows.append(asdict(split(subject.design, manoeuvre, M, own)))
-                advance(1)
-            data["designs"][key] = {"sensor": "own" if own else "fine", "updates": rows}
+    options.require_picture(output)
+    plan = ManoeuvrePlan(options.subjects(asked), name, low, high, fine)
+    with terminal.progress("manoeuvres", plan.steps) as advance:
+        data = manoeuvre_study(plan, advance=advance)
     if output is not None:
         from sculler.plots.analysis import manoeuvre_picture
 
         manoeuvre_picture(output, data)
         data["picture"] = str(output)
-    terminal.report(
-        data, as_json, _table(data), *([f"picture: {terminal.verbatim(output)}"] if output else [])
-    )
+    terminal.report(data, as_json, _table(data), *options.picture_told(output))
 
 
 def _table(data: dict[str, Any]) -> Table:

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from math import degrees, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from sculler import terminal
-from sculler.commands.analyze import subjects
-from sculler.commands.analyze.coning import REQUIREMENTS
+from sculler.commands.options import analysis as options
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-PER_HOUR = degrees(1) * 3600
-"""°/h per rad/s."""
 
 
 @click.command(
@@ -27,8 +21,8 @@ PER_HOUR = degrees(1) * 3600
         "    --trials 50 -o build/quantisation.png",
     ),
 )
-@subjects.subject_options
-@subjects.half_angle_option
+@options.subject_options
+@options.half_angle_option
 @click.option(
     "--frequency",
     type=terminal.number_type(0, above=True),
@@ -53,7 +47,7 @@ PER_HOUR = degrees(1) * 3600
     help="Trials at each LSB.",
 )
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the random numbers.")
-@subjects.picture_option
+@options.picture_option
 @terminal.json_option
 def command(
     half_angle: float,
@@ -63,7 +57,7 @@ def command(
     seed: int,
     output: Path | None,
     as_json: bool,
-    **chosen: Any,
+    **asked: Any,
 ) -> None:
     """Show the drift that quantisation adds to coning, against the LSB.
 
@@ -72,43 +66,20 @@ def command(
     standard deviation for a white remainder.  Rate sensors' LSBs are given times the sample
     interval.
     """
-    from sculler_model.analysis import quantisation as analysis
+    from sculler.runs.analysis import QuantisationPlan, quantisation_study
 
-    subjects.require_picture(output)
-    found = subjects.subjects(**chosen)
-    data: dict[str, Any] = {
-        "study": "quantisation",
-        "half_angle_deg": half_angle,
-        "frequency_hz": frequency,
-        "trials": trials,
-        "seed": seed,
-        "unit": "°/h",
-        "requirements": list(REQUIREMENTS),
-        "designs": {},
-    }
-    with terminal.progress("trials", len(found) * (count + 1)) as advance:
-        for name, subject in found.items():
-            design, angle = subject.design, radians(half_angle)
-            own = None if subject.of_family else design.gyro_scale
-            lsbs = analysis.levels(design, angle, frequency, count)
-            rows = []
-            for lsb in sorted({*lsbs, *([own] if own and own > lsbs[0] else [])}):
-                level = analysis.monte_carlo(design, angle, frequency, lsb, trials, seed)
-                row = asdict(level)
-                for key in ("mean", "deviation", "theory"):
-                    row[key] *= PER_HOUR
-                rows.append(row)
-                advance(1)
-            data["designs"][name] = {"lsb": own, "levels": rows}
-            data["seconds"] = analysis.trial_seconds(design, frequency)
+    options.require_picture(output)
+    plan = QuantisationPlan(
+        options.subjects(asked), half_angle, frequency, count, trials, seed, options.REQUIREMENTS
+    )
+    with terminal.progress("trials", plan.steps) as advance:
+        data = quantisation_study(plan, advance=advance)
     if output is not None:
         from sculler.plots.analysis import quantisation_picture
 
         quantisation_picture(output, data)
         data["picture"] = str(output)
-    terminal.report(
-        data, as_json, _table(data), *([f"picture: {terminal.verbatim(output)}"] if output else [])
-    )
+    terminal.report(data, as_json, _table(data), *options.picture_told(output))
 
 
 def _table(data: dict[str, Any]) -> Table:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from math import degrees, radians
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from sculler import terminal
-from sculler.commands.analyze import subjects
+from sculler.commands.options import analysis as options
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -23,7 +21,7 @@ if TYPE_CHECKING:
     ),
 )
 @terminal.design_argument
-@subjects.half_angle_option
+@options.half_angle_option
 @click.option(
     "--frequency",
     type=terminal.number_type(0, 1e6, above=True),
@@ -65,16 +63,7 @@ if TYPE_CHECKING:
     help="Length of the run.",
 )
 @terminal.json_option
-def command(
-    design_name: str,
-    half_angle: float,
-    frequency: float,
-    turn: float,
-    bank: float,
-    minors: tuple[int, ...],
-    seconds: float,
-    as_json: bool,
-) -> None:
+def command(design_name: str, as_json: bool, **asked: Any) -> None:
     """Show what the triple products leave of coning in a turn, for several M.
 
     The design's samples and coefficients run on a sensor too fine to matter: second order, as the
@@ -82,40 +71,12 @@ def command(
     exact third-order accumulators, which are a study and in no hardware.  DESIGN must have
     increments.
     """
-    from sculler_model.analysis.triple import ConingTurn, left
-    from sculler_model.errors import InputError
+    from sculler.runs.analysis import ThirdOrderPlan, third_order_study
 
-    design = terminal.load_design(design_name)
-    if design.sensor.kind != "increment":
-        raise InputError(f'{design_name}: sensor.kind is "rate", give a design with increments')
-    if frequency >= design.sensor.sample_rate_hz / 2:
-        raise InputError(
-            f"--frequency: {frequency:g} Hz is not below the Nyquist limit,"
-            f" {design.sensor.sample_rate_hz / 2:g} Hz"
-        )
-    longest = max(minors) * design.algorithm.samples * design.sample_interval
-    if seconds < longest:
-        raise InputError(f"--seconds: {seconds:g} is too short, give at least {longest:g}")
-    motion = ConingTurn(radians(half_angle), frequency, radians(turn), radians(bank))
-    rows = []
-    with terminal.progress("running", len(minors)) as advance:
-        for M in minors:
-            row = asdict(left(design, motion, M, seconds))
-            rows.append({k: v if k == "minors" else degrees(v) * 3600 for k, v in row.items()})
-            advance(1)
-    data = {
-        "study": "third-order",
-        "design": design.name,
-        "half_angle_deg": half_angle,
-        "frequency_hz": frequency,
-        "turn_deg_per_s": turn,
-        "bank_deg": bank,
-        "seconds": seconds,
-        "unit": "deg/h",
-        "minors": rows,
-    }
-    interval = 1e3 * design.algorithm.samples * design.sample_interval
-    terminal.report(data, as_json, _table(data, interval))
+    plan = ThirdOrderPlan(terminal.load_design(design_name), design_name, **asked)
+    with terminal.progress("running", len(plan.minors)) as advance:
+        data = third_order_study(plan, advance=advance)
+    terminal.report(data, as_json, _table(data, 1e3 * plan.minor_interval))
 
 
 def _table(data: dict[str, Any], minor_ms: float) -> Table:

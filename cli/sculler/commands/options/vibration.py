@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from sculler import terminal
+from sculler.commands.options.group import group
 
 if TYPE_CHECKING:
     from sculler_model.analysis.vibration import Mount
-
-Command = TypeVar("Command", bound=Callable[..., Any])
 
 SPECTRUM_HELP = (
     "Vibration: savage-98, do160-like, vehicle-like, flat:LOW-HIGH:G2_PER_HZ, or a CSV"
@@ -30,10 +29,9 @@ _MOUNT = (
 )
 
 
-def mount_options(command: Command) -> Command:
-    """The mount; left out, that of Savage-98 section VI."""
-    for flag, name, default, metavar, text, above in reversed(_MOUNT):
-        command = click.option(
+mount_options = group(
+    *(
+        click.option(
             flag,
             name,
             type=terminal.number_type(0, 100 if metavar == "PERCENT" else 1e6, above=above),
@@ -41,28 +39,23 @@ def mount_options(command: Command) -> Command:
             show_default=True,
             metavar=metavar,
             help=text,
-        )(command)
-    return command
+        )
+        for flag, name, default, metavar, text, above in _MOUNT
+    )
+)
+"""The mount; left out, that of Savage-98 section VI; see `mount`."""
 
 
-def mount(
-    linear_hz: float,
-    linear_damping: float,
-    rotary_hz: float,
-    rotary_damping: float,
-    spacing: float,
-    imbalance: float,
-    offset: float,
-) -> Mount:
+def mount(options: Mapping[str, Any]) -> Mount:
     """The mount of the options, signs at their worst."""
     from sculler_model.analysis.vibration import Mount
 
     return Mount.worst(
-        imbalance / 100,
-        offset / 100,
-        hz=linear_hz,
-        damping=linear_damping,
-        rotary_hz=rotary_hz,
-        rotary_damping=rotary_damping,
-        spacing=spacing,
+        options["imbalance"] / 100,
+        options["offset"] / 100,
+        hz=options["linear_hz"],
+        damping=options["linear_damping"],
+        rotary_hz=options["rotary_hz"],
+        rotary_damping=options["rotary_damping"],
+        spacing=options["spacing"],
     )

@@ -1,0 +1,27 @@
+"""Studies of what a design leaves: from a plan to the figures that `analyze --json` prints."""
+
+from sculler.runs.analysis.frequency import FrequencyPlan, Kind, coning, frequency_study, sculling
+from sculler.runs.analysis.manoeuvre import ManoeuvrePlan, manoeuvre_study
+from sculler.runs.analysis.quantisation import QuantisationPlan, quantisation_study
+from sculler.runs.analysis.subject import Subject, of_family
+from sculler.runs.analysis.third_order import ThirdOrderPlan, third_order_study
+from sculler.runs.analysis.vibration import VibrationPlan, VibrationStudy, vibration_study
+
+__all__ = [
+    "FrequencyPlan",
+    "Kind",
+    "ManoeuvrePlan",
+    "QuantisationPlan",
+    "Subject",
+    "ThirdOrderPlan",
+    "VibrationPlan",
+    "VibrationStudy",
+    "coning",
+    "frequency_study",
+    "manoeuvre_study",
+    "of_family",
+    "quantisation_study",
+    "sculling",
+    "third_order_study",
+    "vibration_study",
+]

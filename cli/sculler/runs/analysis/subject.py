@@ -1,0 +1,60 @@
+"""What a study is about: a design, or a family that has no sensor of its own."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from sculler_model.design import Design
+
+FITTED = "least-squares"
+"""The family that a band is for; what else is fitted comes from a design file."""
+
+_FINE_LSB = {"gyro": {"bits": 32, "lsb": 1e-10}, "accel": {"bits": 32, "lsb": 1e-9}}
+"""Sensor of a family that comes without a design: full scale 0.21 rad and 2.1 m/s a sample."""
+
+
+class Subject(NamedTuple):
+    """A design to study; of_family if it has no sensor of its own."""
+
+    design: Design
+    of_family: bool
+
+
+def of_family(
+    family: str,
+    samples: int,
+    history: int = 0,
+    minors: int | None = None,
+    rate: float = 2000.0,
+    band: tuple[float, float] | None = None,
+) -> Subject:
+    """A family on a sensor so fine that it does not show.
+
+    Args:
+        family: its name.
+        samples, history: n and p of its tables.
+        minors: minor intervals of a major one; None for what is nearest to 10 ms.
+        rate: samples a second, Hz.
+        band: that `FITTED` is fitted over, Hz.
+
+    Raises:
+        InputError: there is no such family, or not with these numbers.
+    """
+    minors = minors or max(round(rate / (100 * samples)), 1)
+    algorithm: dict[str, Any] = {
+        "family": family,
+        "samples": samples,
+        "history": history,
+        "minors": minors,
+    }
+    if band is not None and family == FITTED:
+        algorithm["band"] = {"low_hz": band[0], "high_hz": band[1]}
+    kind = "rate" if family == "filtered-rate" else "increment"
+    scale = rate if kind == "rate" else 1.0
+    sensor: dict[str, Any] = {"kind": kind, "sample_rate_hz": rate}
+    for axes, word in _FINE_LSB.items():
+        sensor[axes] = word | {"lsb": word["lsb"] * scale}
+    said = f"{family[:40]}_{samples}_{history}"
+    name = "family_" + "".join(c if c.isalnum() else "_" for c in said)
+    data = {"name": name, "sensor": sensor, "algorithm": algorithm}
+    return Subject(Design.parse(data, where=family), True)

@@ -1,0 +1,85 @@
+"""Coning in a turn: what the triple products leave, and what mends them."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from math import degrees, radians
+from typing import Any
+
+from sculler.words import Advance, silent
+from sculler_model.analysis.triple import ConingTurn, left
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+
+
+@dataclass(frozen=True)
+class ThirdOrderPlan:
+    """What to study.
+
+    Attributes:
+        design: gives samples and coefficients; its sensor counts increments.
+        name: of the design, for messages.
+        half_angle: of the cone, degrees.
+        frequency: of the cone, Hz.
+        turn: rate about the vertical, °/s.
+        bank: in the turn, degrees.
+        minors: numbers of minor intervals of a major one.
+        seconds: length of the run.
+
+    Raises:
+        InputError: the design or the motion does not fit the study.
+    """
+
+    design: Design
+    name: str
+    half_angle: float = 0.1
+    frequency: float = 50.0
+    turn: float = 0.0
+    bank: float = 0.0
+    minors: tuple[int, ...] = (1, 2, 5, 10)
+    seconds: float = 20.0
+
+    def __post_init__(self) -> None:
+        design = self.design
+        if design.sensor.kind != "increment":
+            raise InputError(f'{self.name}: sensor.kind is "rate", give a design with increments')
+        if self.frequency >= design.sensor.sample_rate_hz / 2:
+            raise InputError(
+                f"--frequency: {self.frequency:g} Hz is not below the Nyquist limit,"
+                f" {design.sensor.sample_rate_hz / 2:g} Hz"
+            )
+        longest = max(self.minors) * self.minor_interval
+        if self.seconds < longest:
+            raise InputError(f"--seconds: {self.seconds:g} is too short, give at least {longest:g}")
+
+    @property
+    def minor_interval(self) -> float:
+        """Seconds."""
+        return self.design.algorithm.samples * self.design.sample_interval
+
+
+def third_order_study(plan: ThirdOrderPlan, *, advance: Advance = silent) -> dict[str, Any]:
+    """Attitude drift for each M, °/h.
+
+    Returns:
+        What --json prints.
+    """
+    motion = ConingTurn(
+        radians(plan.half_angle), plan.frequency, radians(plan.turn), radians(plan.bank)
+    )
+    rows = []
+    for M in plan.minors:
+        row = asdict(left(plan.design, motion, M, plan.seconds))
+        rows.append({k: v if k == "minors" else degrees(v) * 3600 for k, v in row.items()})
+        advance(1)
+    return {
+        "study": "third-order",
+        "design": plan.design.name,
+        "half_angle_deg": plan.half_angle,
+        "frequency_hz": plan.frequency,
+        "turn_deg_per_s": plan.turn,
+        "bank_deg": plan.bank,
+        "seconds": plan.seconds,
+        "unit": "deg/h",
+        "minors": rows,
+    }
