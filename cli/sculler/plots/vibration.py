@@ -62,19 +62,7 @@ def vibration_picture(
             label=f"sensor assembly, {response.force_rms / G:.3g} g rms",
         )
         acceleration.set(title="Acceleration", ylabel="g²/Hz")
-        for name, transfer, rms, colour, style in (
-            ("z", response.z, response.angle_rms[1], GREEN, "-"),
-            ("y", response.y, response.angle_rms[0], VERMILION, "--"),
-        ):
-            if rms > 0:
-                amplitude = 1e6 * np.sqrt(density) * np.abs(transfer)
-                rotation.loglog(
-                    f[shown],
-                    amplitude[shown],
-                    style,
-                    color=colour,
-                    label=f"about {name}, {1e6 * rms:.3g} µrad rms",
-                )
+        _rotations(rotation, f, shown, density, response)
         rotation.set(title="Rotation of the sensor assembly", ylabel="µrad/√Hz")
         for axes, title, unit, true in (
             (cone, "Coning", "°/h", coning),
@@ -94,6 +82,25 @@ def vibration_picture(
             if handles:
                 axes.legend(loc="lower left" if axes in (acceleration, rotation) else "upper right")
             axes.set_xlim(f[0], f[-1])
+
+
+def _rotations(
+    rotation: Axes, f: Array, shown: NDArray[np.intp], density: Array, response: MountResponse
+) -> None:
+    """How the sensor assembly turns, about its two axes."""
+    for name, transfer, rms, colour, style in (
+        ("z", response.z, response.angle_rms[1], GREEN, "-"),
+        ("y", response.y, response.angle_rms[0], VERMILION, "--"),
+    ):
+        if rms > 0:
+            amplitude = 1e6 * np.sqrt(density) * np.abs(transfer)
+            rotation.loglog(
+                f[shown],
+                amplitude[shown],
+                style,
+                color=colour,
+                label=f"about {name}, {1e6 * rms:.3g} µrad rms",
+            )
 
 
 def _left(
