@@ -13,7 +13,8 @@ from sculler.plots.truth import truth_picture_paths, truth_pictures
 from sculler.runs.navigation.against_truth import AgainstTruth
 from sculler.runs.navigation.outcome import Outcome
 from sculler.runs.navigation.plan import Plan
-from sculler.runs.navigation.run import NavigationRun, Seen
+from sculler.runs.navigation.run import NavigationRun
+from sculler.runs.navigation.seen import Seen
 from sculler.words import Advance, silent
 from sculler_model import inputs
 from sculler_model.fast import VectorBlock

@@ -11,7 +11,7 @@ from typing import Any
 from sculler.runs.navigation import against_truth
 from sculler.runs.navigation.against_truth import AgainstTruth
 from sculler.runs.navigation.plan import Plan
-from sculler.runs.navigation.run import STATUSES, Seen
+from sculler.runs.navigation.seen import STATUSES, Seen
 from sculler.words import plural
 from sculler_model.frames import radii, to_euler
 from sculler_model.navigation import Alignment, FineAlignment, NavState, SensorNoise
