@@ -30,7 +30,6 @@ GROWTH = 200e3
 @pytest.fixture
 def _small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Many blocks in little time, and no compiler, whose memory would hide theirs."""
-    monkeypatch.setattr(motion, "CHUNK", 1 << 11)
     monkeypatch.setattr(motion.sampling, "CHUNK", 1 << 11)
     monkeypatch.setattr(logs, "BLOCK_BYTES", 1 << 13)
     monkeypatch.setattr(plausibility, "BLOCK", 1 << 9)

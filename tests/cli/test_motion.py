@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import inspect
 import json
 from collections.abc import Callable
 from math import cos, radians, sin
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler.commands import motion as verb
+from sculler.commands.options import motion as options
 from sculler.formats.log import read_log
 from sculler.formats.truth import read_truth
 from sculler_model.design import Design
@@ -100,7 +101,7 @@ def test_vibration_on_top(run: Run, tmp_path: Path) -> None:
     assert np.abs(truth.v - state.v).max() < 1e-15
 
 
-@pytest.mark.parametrize("name", verb.NAMES)
+@pytest.mark.parametrize("name", options.NAMES)
 def test_every_motion_by_its_name(run: Run, tmp_path: Path, name: str) -> None:
     counts, truth, said = written(run, tmp_path, name, "--design", "stim300", "--duration", 0.5)
     assert (len(counts), len(truth), said["motion"]) == (1000, 51, name)
@@ -108,14 +109,12 @@ def test_every_motion_by_its_name(run: Run, tmp_path: Path, name: str) -> None:
 
 
 def test_the_help_names_the_catalogue(run: Run) -> None:
-    assert tuple(verb.NAMES) == tuple(MOTIONS)
-    used = {
-        name for entry in MOTIONS.values() for name in verb.inspect.signature(entry.make).parameters
-    }
-    assert used - {"gone"} == set(verb.OPTIONS)
+    assert tuple(options.NAMES) == tuple(MOTIONS)
+    used = {name for entry in MOTIONS.values() for name in inspect.signature(entry.make).parameters}
+    assert used - {"gone"} == set(options.OPTIONS)
     out = run("motion", "--help").out
     assert all(name in out for name in MOTIONS)
-    for option in verb.OPTIONS.values():
+    for option in options.OPTIONS.values():
         assert option.flag in out
 
 
@@ -174,7 +173,7 @@ def test_the_log_streams(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPat
     from sculler_model.motion import sampling
 
     outs = []
-    for chunk in (1 << 15, 333):
+    for chunk in (1 << 15, 33):
         monkeypatch.setattr(sampling, "CHUNK", chunk)
         written(run, tmp_path, "turn", "--design", "stim300", "--duration", 1)
         outs.append(((tmp_path / "imu.csv").read_bytes(), (tmp_path / "truth.csv").read_bytes()))

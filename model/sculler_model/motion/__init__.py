@@ -26,7 +26,7 @@ from sculler_model.motion.curves import Curve, EvenPace, Smooth, Spline
 from sculler_model.motion.earthbound import Motion
 from sculler_model.motion.flight_plan import Leg, flight
 from sculler_model.motion.inertial import Coning, Sculling, SpinAccel
-from sculler_model.motion.sampling import CHUNK, legendre_nodes
+from sculler_model.motion.sampling import legendre_nodes
 from sculler_model.motion.turns import (
     Turn,
     X,
@@ -40,7 +40,6 @@ from sculler_model.motion.turns import (
 from sculler_model.motion.vibration import Vibration
 
 __all__ = [
-    "CHUNK",
     "MOTIONS",
     "PLACE",
     "Coning",

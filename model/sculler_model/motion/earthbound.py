@@ -18,6 +18,7 @@ accelerometers feel: f = v̇ + (2ω_ie + ρ)×v - gravity.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import cos, degrees, radians, sin
 
@@ -40,6 +41,7 @@ from sculler_model.frames import (
     radii,
     rotate,
 )
+from sculler_model.motion import sampling
 from sculler_model.motion.curves import ZERO_CURVE, Array, Jet, Smooth
 from sculler_model.motion.sampling import Sampled
 from sculler_model.motion.turns import Turn, attitude_jet
@@ -111,6 +113,22 @@ class Motion(Sampled):
             q, v = product(turn, q), rotate(turn, v)
         lon = lon - 2 * np.pi * np.round(lon / (2 * np.pi))
         return NavHistory(np.array(t), np.stack(q, 1), np.stack(v, 1), lat, lon, path.h[0])
+
+    def states(self, count: int, every: float, start: float = 0.0) -> Iterator[NavHistory]:
+        """True states at even times, block by block, in bounded memory.
+
+        Args:
+            count: how many in all.
+            every: time between them, s.
+            start: time of the first, s.
+
+        Yields:
+            `state` of the next `sampling.CHUNK` times.
+        """
+        block = sampling.CHUNK
+        for first in range(0, count, block):
+            number = np.arange(first, min(first + block, count), dtype=np.float64)
+            yield self.state(start + number * every)
 
     def sensed(self, t: Array) -> Array:
         """What perfect sensors feel at times t (N,).

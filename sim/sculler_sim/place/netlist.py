@@ -148,24 +148,14 @@ def _row(design: Design, text: str) -> tuple[int, ...]:
 
 def _bench(design: Design, generated: Generated, samples: int, results: int) -> str:
     """The test bench: prints a line `RESULT ...` for each result."""
-    inputs, outputs = sample_ports(design), result_ports(design)
-    connections, declarations, low = [], [], 0
-    for port in inputs:
+    connections, low = [], 0
+    for port in sample_ports(design):
         connections.append(f".{port.name}(samples[index][{low + port.bits - 1}:{low}])")
         low += port.bits
-    width = low
-    for port in outputs:
-        declarations.append(f"  wire [{port.bits - 1}:0] {port.name};")
-        connections.append(f".{port.name}({port.name})")
-    packed = ", ".join(port.name for port in reversed(outputs))
-    if design.hardware.handover == "stream":
-        show = 'if (words == 0) $write("RESULT %h", result_data);\n'
-        show += '        else $write(",%h", result_data);\n'
-        show += '        if (result_last) $write("\\n");\n'
-        show += "        words = result_last ? 0 : words + 1;\n"
-        show += "        if (result_last) results = results + 1;"
-    else:
-        show = f'$write("RESULT %h\\n", {{{packed}}});\n        results = results + 1;'
+    width, outputs = low, result_ports(design)
+    connections += [f".{port.name}({port.name})" for port in outputs]
+    declarations = [f"  wire [{port.bits - 1}:0] {port.name};" for port in outputs]
+    show = _show(design)
     manifest = generated.manifest
     timing = manifest.timing
     limit = 1000 + timing.startup + timing.latency + 2 * results * manifest.clocks_per_major
@@ -208,6 +198,19 @@ module {_BENCH};
   end
 endmodule
 """
+
+
+def _show(design: Design) -> str:
+    """The bench's statements that print what is handed over in a clock."""
+    if design.hardware.handover == "stream":
+        return """if (words == 0) $write("RESULT %h", result_data);
+        else $write(",%h", result_data);
+        if (result_last) $write("\\n");
+        words = result_last ? 0 : words + 1;
+        if (result_last) results = results + 1;"""
+    packed = ", ".join(port.name for port in reversed(result_ports(design)))
+    return f"""$write("RESULT %h\\n", {{{packed}}});
+        results = results + 1;"""
 
 
 def _models(family: Family, netlist: str) -> str:

@@ -1,0 +1,197 @@
+"""The integer IMU log of a known motion, and its truth: from a plan to files and an `Outcome`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import floor, radians
+from pathlib import Path
+from typing import Any
+
+from sculler.formats.history import HistoryWriter
+from sculler.formats.log import LogWriter
+from sculler.words import Advance, silent
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.frames import STANDARD_GRAVITY
+from sculler_model.motion import Motion, Vibration
+from sculler_model.outputs import replacing
+from sculler_model.samples import Quantiser, end_after_stamp, interval_end, sample_stamp
+
+
+@dataclass(frozen=True)
+class Shaking:
+    """Random vibration on top of a motion, alike along or about each axis.
+
+    Attributes:
+        g: acceleration, g rms.
+        rate: angular rate, °/s rms.
+        low, high: band of both, Hz.
+        lines: sinusoids that make it up, each axis.
+        seed: of the random numbers.
+
+    Raises:
+        InputError: there is no such band.
+    """
+
+    g: float
+    rate: float
+    low: float
+    high: float
+    lines: int
+    seed: int
+
+    def __post_init__(self) -> None:
+        _ = self.vibration  # refuses what is no band
+
+    @cached_property
+    def vibration(self) -> Vibration:
+        """In SI."""
+        return Vibration(
+            STANDARD_GRAVITY * self.g,
+            radians(self.rate),
+            self.low,
+            self.high,
+            self.lines,
+            self.seed,
+        )
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to write.
+
+    Attributes:
+        design: gives the sensor.
+        name: of the motion, in the catalogue.
+        motion: it.
+        seconds: how long.
+        truth_every: seconds between the truth's rows; None for a major interval.
+        shaking: vibration on top, or None.
+        options: what was said of the motion, to be told again.
+
+    Raises:
+        InputError: no sample is that short.
+    """
+
+    design: Design
+    name: str
+    motion: Motion
+    seconds: float
+    truth_every: float | None = None
+    shaking: Shaking | None = None
+    options: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.samples < 1:
+            raise InputError(f"--duration: {self.seconds:g} s are shorter than a sample, give more")
+
+    @property
+    def samples(self) -> int:
+        """Of the log."""
+        return round(self.seconds * self.design.sensor.sample_rate_hz)
+
+    @property
+    def every(self) -> float:
+        """Seconds between the truth's rows."""
+        return self.design.major_interval if self.truth_every is None else self.truth_every
+
+    @property
+    def begin(self) -> float:
+        """Time of the truth's first row, s: the first end of an interval from time 0 on."""
+        begin = interval_end(self.design, -1)
+        # a rate's first interval reaches before time 0
+        return interval_end(self.design, 0) if begin < 0 else begin
+
+    @property
+    def truth_rows(self) -> int:
+        """As many as the log reaches, one at least."""
+        end = sample_stamp(self.design, self.samples - 1) + end_after_stamp(self.design)
+        return max(floor((end - self.begin) / self.every + 1e-9) + 1, 1)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What was written.
+
+    Attributes:
+        plan: what was asked for.
+        output, truth: the files.
+        full_scale: the largest count as a share of full scale.
+    """
+
+    plan: Plan
+    output: Path
+    truth: Path
+    full_scale: float
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain data."""
+        plan, design = self.plan, self.plan.design
+        data: dict[str, Any] = {
+            "motion": plan.name,
+            "design": design.name,
+            "options": dict(plan.options),
+            "seconds": plan.samples * design.sample_interval,
+            "samples": plan.samples,
+            "full_scale": self.full_scale,
+            "truth_every_s": plan.every,
+            "truth_rows": plan.truth_rows,
+            "output": str(self.output),
+            "truth": str(self.truth),
+        }
+        if (shaking := plan.shaking) is not None:
+            data["vibration"] = {
+                "g_rms": shaking.g,
+                "rate_deg_per_s_rms": shaking.rate,
+                "band_hz": [shaking.vibration.low, shaking.vibration.high],
+                "lines": shaking.vibration.lines,
+                "seed": shaking.seed,
+            }
+        return data
+
+    def told(self) -> dict[str, str]:
+        """In words, row by row."""
+        data = self.as_json()
+        shown = {
+            "motion": data["motion"],
+            "log": f"{data['samples']:,} samples, {data['seconds']:,.6g} s, for {data['design']}",
+            "largest count": f"{100 * data['full_scale']:.3g} % of full scale",
+            "truth": f"{data['truth_rows']:,} rows, every {data['truth_every_s']:g} s",
+        }
+        if "vibration" in data:
+            found = data["vibration"]
+            low, high = found["band_hz"]
+            shown["vibration"] = (
+                f"{found['g_rms']:g} g and {found['rate_deg_per_s_rms']:g} °/s rms an axis,"
+                f" {low:g} to {high:g} Hz, {found['lines']} lines, seed {found['seed']}"
+            )
+        return shown | {"wrote": f"{data['output']}, {data['truth']}"}
+
+
+def write_motion(plan: Plan, output: Path, truth: Path, *, advance: Advance = silent) -> Outcome:
+    """Write the log that the design's sensor gives of the motion, and the motion's truth.
+
+    Args:
+        plan: what to write.
+        output, truth: the files, each appears whole or not at all.
+        advance: told the samples and rows that were written.
+
+    Raises:
+        InputError: a count does not fit the sensor, or a file cannot be written.
+    """
+    design, motion = plan.design, plan.motion
+    if plan.shaking is not None:
+        motion = plan.shaking.vibration.on(motion)
+    quantise = Quantiser(design)
+    with replacing(output) as temporary:
+        with LogWriter(temporary) as log:
+            for chunk in motion.chunks(design.sensor.kind, plan.samples, design.sample_interval):
+                log.write(quantise(chunk))
+                advance(len(chunk))
+        with replacing(truth) as temporary_truth, HistoryWriter(temporary_truth) as rows:
+            for states in motion.states(plan.truth_rows, plan.every, plan.begin):
+                rows.write(states)
+                advance(len(states))
+    return Outcome(plan, output, truth, max(quantise.report().full_scale))
