@@ -6,17 +6,14 @@ import json
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from sculler.words import Advance as Advance
-from sculler.words import plural as plural
-from sculler.words import silent as silent
-from sculler.words import three_digits as three_digits
+from sculler.words import Advance, silent
 from sculler_model import inputs
 
 if TYPE_CHECKING:
@@ -135,11 +132,6 @@ BREAKS_IN_LOG = (
     " and no history."
 )
 """Help of `--breaks` for the verbs that read a log."""
-
-
-def warning_rows(warnings: Sequence[str]) -> dict[str, str]:
-    """Warnings as rows of `facts`."""
-    return {f"warning {at}": told for at, told in enumerate(warnings, start=1)}
 
 
 def load_design(name: str) -> Design:

@@ -1,8 +1,8 @@
-"""Words for numbers, and how long work tells how far it has come; nothing of a terminal."""
+"""Words for numbers and warnings, and how work tells how far it has come; no terminal."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 Advance = Callable[[int], None]
 """Tell a progress bar that this much more is done."""
@@ -18,6 +18,11 @@ def three_digits(value: float) -> str:
     if abs(value) >= 1000:
         return f"{float(f'{value:.3g}'):,.0f}"
     return f"{value:.3g}"
+
+
+def warning_rows(warnings: Sequence[str]) -> dict[str, str]:
+    """Warnings as rows of a table: name and text."""
+    return {f"warning {at}": told for at, told in enumerate(warnings, start=1)}
 
 
 def silent(amount: int) -> None:

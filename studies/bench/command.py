@@ -14,6 +14,7 @@ import numpy as np
 from rich.table import Table
 
 from sculler import terminal
+from sculler.words import three_digits
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from studies.bench import navigators
@@ -76,8 +77,8 @@ def _table(data: dict[str, Any]) -> Table:
         clocks = row["clocks_per_s"]
         table.add_row(
             name,
-            *(terminal.three_digits(speed) for speed in speeds),
-            terminal.three_digits(clocks) if clocks else "",
+            *(three_digits(speed) for speed in speeds),
+            three_digits(clocks) if clocks else "",
             f"{row['samples']:,}",
         )
     return table
@@ -100,7 +101,5 @@ def _navigators(data: dict[str, Any]) -> Table | str:
         table.add_column(column, justify="right")
     for name, row in data["navigators"].items():
         keys = ("updates_per_s", "us_per_update", "horizontal_m", "velocity_m_per_s")
-        table.add_row(
-            name, *(terminal.three_digits(row[key]) if key in row else "" for key in keys)
-        )
+        table.add_row(name, *(three_digits(row[key]) if key in row else "" for key in keys))
     return table

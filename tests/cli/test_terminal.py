@@ -7,6 +7,7 @@ import io
 import pytest
 
 from sculler import terminal
+from sculler.words import plural, three_digits
 
 
 class FakeTerminal(io.StringIO):
@@ -47,9 +48,9 @@ def test_no_bar_off_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     ],
 )
 def test_three_digits(value: float, text: str) -> None:
-    assert terminal.three_digits(value) == text
+    assert three_digits(value) == text
 
 
 def test_plural() -> None:
-    assert terminal.plural(1, "row") == "1 row"
-    assert terminal.plural(2000, "row") == "2,000 rows"
+    assert plural(1, "row") == "1 row"
+    assert plural(2000, "row") == "2,000 rows"

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from sculler import terminal
+from sculler.words import plural
 
 _FAILED = 1
 
@@ -28,7 +29,7 @@ def command(first: Path, second: Path, as_json: bool) -> int:
     data = {"first": str(first), "second": str(second), "identical": difference is None}
     if difference is None:
         rows = results_in(first)
-        told = "" if rows is None else f": {terminal.plural(rows, 'row')}"
+        told = "" if rows is None else f": {plural(rows, 'row')}"
         terminal.report(data | {"rows": rows}, as_json, f"identical{told}")
         return 0
     terminal.report(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sculler import terminal
+from sculler.words import three_digits
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -80,8 +81,8 @@ def _table(data: dict[str, Any]) -> Table:
     for label, unit, key in zip(LABELS, UNITS, QUANTITIES, strict=True):
         table.add_row(
             label,
-            f"{terminal.three_digits(good[key])} {unit}",
-            f"{terminal.three_digits(bad[key])} {unit}",
+            f"{three_digits(good[key])} {unit}",
+            f"{three_digits(bad[key])} {unit}",
             f"{bad[key] / good[key]:,.0f}" if good[key] else "",
         )
     return table

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sculler import terminal
+from sculler.words import warning_rows
 
 if TYPE_CHECKING:
     from sculler.checks.breaks import Policy
@@ -46,5 +47,5 @@ def command(
         summary = model_log(design, log, output, engine, advance, breaks)
     data = {"engine": engine, "log": log, "output": str(output), **summary.as_json()}
     write_origin(output, {"log": log, "design": design_name}, data)
-    rows = summary.facts() | terminal.warning_rows(summary.warnings)
+    rows = summary.facts() | warning_rows(summary.warnings)
     terminal.report(data, as_json, terminal.facts(rows | {"wrote": str(output)}))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from sculler import terminal
+from sculler.words import warning_rows
 
 if TYPE_CHECKING:
     from sculler.checks.breaks import Policy
@@ -79,7 +80,7 @@ def command(
     waveform = None if wave is None else str(wave)
     data = {"engine": engine, "log": log, "output": str(output), "stall": stall, "wave": waveform}
     warnings += summary.warnings
-    rows = summary.facts() | terminal.warning_rows(warnings) | {"wrote": str(output)}
+    rows = summary.facts() | warning_rows(warnings) | {"wrote": str(output)}
     if waveform is not None:
         rows["waveform"] = waveform
     data |= summary.as_json() | {"warnings": warnings}

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
 from sculler.formats import vectors as files
 from sculler.formats.gravity import gravity_model
 from sculler.runs.navigation import AgainstTruth, Carrier, Given, NavigationRun, Plan
+from sculler.runs.navigation.plan import refuse_contradictions
 from sculler_model.design import Design
-from sculler_model.errors import ContradictionError, InputError
+from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
 from sculler_model.frames import AxisMap
 from sculler_model.host import MajorIncrements, ThirdOrder, major_increments
@@ -139,7 +140,13 @@ def _radians(value: float | None) -> float | None:
     return None if value is None else radians(value)
 
 
-def make_plan(design: Design, name: str, asked: Begin) -> Plan:
+def make_plan(
+    design: Design,
+    name: str,
+    asked: Begin,
+    start: float | None = None,
+    stop: float | None = None,
+) -> Plan:
     """A plan from keywords in degrees, metres and seconds.
 
     Raises:
@@ -153,12 +160,7 @@ def make_plan(design: Design, name: str, asked: Begin) -> Plan:
                 f"unexpected keyword {key!r}, give some of {', '.join(Begin.__annotations__)}"
             )
     get = cast("dict[str, Any]", asked).get
-    align = get("align")
-    stated = [key for key in ("roll", "pitch", "heading", "vn", "ve", "vd") if get(key) is not None]
-    if align is not None and stated:
-        raise ContradictionError(f"{stated[0]} and align contradict each other, give one")
-    if get("fine") and align is None:
-        raise ContradictionError("fine refines align, give that too")
+    refuse_contradictions({**asked, "start": start, "stop": stop})
     gravity = get("gravity", "normal")
     return Plan(
         design,
@@ -170,7 +172,9 @@ def make_plan(design: Design, name: str, asked: Begin) -> Plan:
         ),
         Carrier(get("mechanisation", "wander"), get("position_every", 1), get("height_damping")),
         AxisMap.parse(get("axes", "x,y,z")),
-        align=align,
+        start=start,
+        stop=stop,
+        align=get("align"),
         fine=get("fine", False),
         third_order=get("third_order", False),
         gravity=gravity_model(gravity) if isinstance(gravity, str) else gravity,
@@ -242,10 +246,8 @@ def navigate(
         (51, '2.00 s', '0 m')
     """
     path = None if isinstance(vectors, VectorBlock) else str(vectors)
-    plan = make_plan(design, "vectors" if path is None else path, begin)
-    plan = replace(plan, start=start, stop=stop, split=breaks == "split")
-    if plan.align is not None and start is not None:
-        raise ContradictionError("start and align contradict each other, give one")
+    plan = make_plan(design, "vectors" if path is None else path, begin, start, stop)
+    plan = replace(plan, split=breaks == "split")
     if truth is None:
         require_place(begin)
     blocks: Iterable[VectorBlock]

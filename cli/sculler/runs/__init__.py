@@ -6,6 +6,8 @@ Each room takes typed arguments and gives an outcome, a frozen dataclass:
 - `runs.conversion`: `convert_log(Plan, output)`, a foreign log to an integer log.
 - `runs.navigation`: `navigate_file(Plan, output)`, vectors to attitude, velocity and position;
   `NavigationRun` does it over blocks in memory.
+- `runs.motion`: `write_motion(Plan, output, truth)`, a known motion to a log and its truth.
+- `runs.analysis`, `runs.advice`: studies of designs, and the designs that meet a requirement.
 - `runs.demo`: `run_demo(folder)`, the main job from end to end.
 - `runs.hardware`: `write_hardware(design, folder)`, Verilog, manifest and test bench.
 - `runs.engines`: `choose_engine`, which simulator there is.

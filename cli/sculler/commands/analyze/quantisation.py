@@ -9,6 +9,7 @@ import click
 
 from sculler import terminal
 from sculler.commands.options import analysis as options
+from sculler.words import three_digits
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -107,7 +108,7 @@ def _table(data: dict[str, Any]) -> Table:
             table.add_row(
                 name if i == 0 else "",
                 f"{row['lsb']:.3g}{own}",
-                terminal.three_digits(row["counts"]),
+                three_digits(row["counts"]),
                 f"{row['mean']:.2e}",
                 f"{row['deviation']:.2e}",
                 f"{row['theory']:.2e}",

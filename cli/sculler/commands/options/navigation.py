@@ -174,19 +174,18 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
         options: the verb's, of all groups above.
 
     Raises:
-        UsageError: options contradict each other, or one is missing.
+        ContradictionError: options contradict each other.
+        UsageError: one is missing.
         InputError: one of them has a fault.
     """
     from sculler.formats.gravity import gravity_model
     from sculler.runs.navigation import Carrier, Plan
+    from sculler.runs.navigation.plan import refuse_contradictions
     from sculler_model.frames import AxisMap
 
     axes = AxisMap.parse(options["axes"])
-    _refuse_contradictions(options)
+    refuse_contradictions(options, called=lambda name: f"--{name.replace('_', '-')}")
     noise, gravity = sensor_noise(options), gravity_model(options["gravity"])
-    start, stop = options["start"], options["stop"]
-    if start is not None and stop is not None and not stop > start:
-        raise click.UsageError(f"--stop {stop:g} is not after --start {start:g}, give a later time")
     if truth is None:
         for name in _PLACE:
             if options[name] is None:
@@ -202,8 +201,8 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
         _given(options),
         carrier,
         axes,
-        start=start,
-        stop=stop,
+        start=options["start"],
+        stop=options["stop"],
         align=options["align"],
         fine=options["fine"],
         third_order=options["third_order"],
@@ -211,21 +210,6 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
         gravity=gravity,
         noise=noise,
     )
-
-
-def _refuse_contradictions(options: Options) -> None:
-    aligned = options["align"] is not None
-    if aligned:
-        for name in (*_ANGLES, *_VELOCITIES):
-            if options[name] is not None:
-                raise click.UsageError(f"--{name} and --align contradict each other, give one")
-        if options["start"] is not None:
-            raise click.UsageError("--start and --align contradict each other, give one")
-    if options["fine"] and not aligned:
-        raise click.UsageError("--fine refines --align, give that too")
-    for name in _NOISE:
-        if options[name] is not None and not aligned:
-            raise click.UsageError(f"--{name.replace('_', '-')} is for --align, give that too")
 
 
 def sensor_noise(options: Options) -> SensorNoise:

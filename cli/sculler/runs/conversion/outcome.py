@@ -15,6 +15,7 @@ from sculler.readers.timing import Timing
 from sculler.runs.conversion import timing_told
 from sculler.runs.conversion.counts import Biases, Conversion
 from sculler.runs.conversion.plan import Plan
+from sculler.words import warning_rows
 
 
 @dataclass(frozen=True)
@@ -124,5 +125,4 @@ def told(data: Mapping[str, Any]) -> dict[str, str]:
     rows |= data["notes"]
     if data["timing"] is not None:
         rows["time"] = timing_told.words(data["timing"])
-    warnings = {f"warning {at}": text for at, text in enumerate(data["warnings"], start=1)}
-    return rows | warnings | {"wrote": data["output"]}
+    return rows | warning_rows(data["warnings"]) | {"wrote": data["output"]}

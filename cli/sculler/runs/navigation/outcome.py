@@ -12,7 +12,7 @@ from sculler.runs.navigation import against_truth
 from sculler.runs.navigation.against_truth import AgainstTruth
 from sculler.runs.navigation.plan import Plan
 from sculler.runs.navigation.seen import STATUSES, Seen
-from sculler.words import plural
+from sculler.words import plural, warning_rows
 from sculler_model.frames import radii, to_euler
 from sculler_model.navigation import Alignment, FineAlignment, NavState, SensorNoise
 
@@ -183,8 +183,7 @@ def told(data: Mapping[str, Any]) -> dict[str, str]:
                 f"level to {found['level_sigma_deg']:.2g}°, gyro biases {bias} °/h in the body,"
                 f" {_biases_told(found)}"
             )
-    for number, warning in enumerate(data["warnings"], start=1):
-        rows[f"warning {number}"] = warning
+    rows |= warning_rows(data["warnings"])
     if data["short_history_results_left_out"]:
         rows["short history"] = (
             f"{plural(data['short_history_results_left_out'], 'result')} reached before"

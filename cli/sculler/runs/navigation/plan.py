@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from sculler_model.design import Design
 from sculler_model.errors import ContradictionError, InputError
@@ -121,6 +122,46 @@ class Carrier:
             position_every=self.position_every,
             height_damping=None if damping is None else HeightDamping(reference_height, damping),
             gravity=gravity,
+        )
+
+
+ANGLES, VELOCITIES = ("roll", "pitch", "heading"), ("vn", "ve", "vd")
+NOISE = ("gyro_noise", "accel_noise", "gyro_bias_sigma", "accel_bias_sigma")
+
+
+def refuse_contradictions(
+    asked: Mapping[str, Any], called: Callable[[str], str] = lambda name: name
+) -> None:
+    """See that what a user asks for goes together.
+
+    Args:
+        asked: arguments by name, of those that `sculler navigate` has; None or absent if left out.
+        called: what the user calls an argument, for messages.
+
+    Raises:
+        ContradictionError: two of them do not go together.
+    """
+
+    def given(name: str) -> bool:
+        return asked.get(name) is not None
+
+    align = called("align")
+    if given("align"):
+        for name in (*ANGLES, *VELOCITIES, "start"):
+            if given(name):
+                raise ContradictionError(
+                    f"{called(name)} and {align} contradict each other, give one"
+                )
+    else:
+        if asked.get("fine"):
+            raise ContradictionError(f"{called('fine')} refines {align}, give that too")
+        for name in NOISE:
+            if given(name):
+                raise ContradictionError(f"{called(name)} is for {align}, give that too")
+    start, stop = asked.get("start"), asked.get("stop")
+    if start is not None and stop is not None and not stop > start:
+        raise ContradictionError(
+            f"{called('stop')} {stop:g} is not after {called('start')} {start:g}, give a later time"
         )
 
 
