@@ -18,7 +18,7 @@ import numpy as np
 
 from sculler_model.design import AXES, COLUMNS, HIGH_RESOLUTION_COLUMNS, Design
 from sculler_model.errors import InputError
-from sculler_model.fast import VectorBlock, component_dtype
+from sculler_model.fast import VectorBlock, as_integers, component_limbs
 from sculler_model.outputs import open_lines, replacing
 
 TIME = "time_s"
@@ -122,8 +122,7 @@ def read_vectors(
     Args:
         path: the file.
         design: the design the vectors come from.  Every component is then checked against its
-            width, and the components are int64 where the design's fit it; without it they are
-            Python integers (dtype object).
+            width, and has as many limbs as the design says; without it as many as a block needs.
         chunk: rows in a block, which bound the memory.
         missing: let rows be missing, that is, `major` jump forwards, as where the design drops
             results.
@@ -141,7 +140,7 @@ def read_vectors(
             " vectors file?"
         )
     missing = missing or (design is not None and design.drops_results)
-    dtype = np.dtype(object) if design is None else component_dtype(design)
+    limbs = None if design is None else component_limbs(design)
     major = -1
     while numbered := list(islice(lines, chunk)):
         cells = [lines.row(number, line) for number, line in numbered]
@@ -162,7 +161,7 @@ def read_vectors(
         yield VectorBlock(
             np.array([row[0] for row in rows], np.int64),
             np.array([row[1] for row in rows], np.int64),
-            np.array([row[2:] for row in rows], dtype),
+            as_integers(np.array([row[2:] for row in rows], object), limbs),
             np.array([time for _, time in cells], np.float64) if lines.times else None,
         )
 

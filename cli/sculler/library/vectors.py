@@ -18,8 +18,8 @@ def read_vectors(path: str | Path, design: Design | None = None) -> VectorBlock:
 
     Args:
         path: of the file.
-        design: whose vectors they are: every component is checked against its width, and is int64
-            where all fit 64 bits; None for Python integers (dtype object).
+        design: whose vectors they are: every component is checked against its width; None where
+            nobody knows.
 
     Returns:
         The results of R major intervals, in the sensor's axes, exact integers.
