@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from sculler.formats import history
-from sculler.formats import lines
+from sculler.formats import history, lines
 from sculler.formats import truth as truth_file
 from sculler.formats import vectors as vectors_file
 from sculler_model import motion

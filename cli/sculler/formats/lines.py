@@ -16,14 +16,18 @@ _AHEAD = 3  # blocks
 T = TypeVar("T")
 
 
-def whole_lines(file: BinaryIO, name: str) -> Iterator[bytes]:
-    """Blocks of about `BLOCK_BYTES` that end with a line end, and what is left after the last.
+def whole_lines(file: BinaryIO, name: str, size: int | None = None) -> Iterator[bytes]:
+    """Blocks of about `size` bytes that end with a line end, and what is left after the last.
+
+    Args:
+        file, name: to read, and its name for messages.
+        size: `BLOCK_BYTES` if left out.
 
     Raises:
         InputError: a line is longer than `MAX_LINE`.
     """
     rest = b""
-    while block := file.read(BLOCK_BYTES):
+    while block := file.read(size or BLOCK_BYTES):
         block = rest + block
         end = block.rfind(b"\n") + 1
         rest = block[end:]

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Callable, Iterator
 from decimal import Decimal
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -145,7 +145,7 @@ class _Layout:
         """The compiled path: whole lines as a chunk, or None if they are not all plain."""
         most = block.count(b"\n")
 
-        def column(place: int | None, kind: type) -> NDArray[np.generic]:
+        def column(place: int | None, kind: type) -> NDArray[Any]:
             return np.empty(0 if place is None else most, kind)
 
         counts = np.empty((most, len(COUNTS)), np.int64)
@@ -260,15 +260,13 @@ class TextLogWriter:
         """Append samples; `origin` is added to their times."""
         counts, faults, times, _ = chunk
         whole = counts if faults is None else np.column_stack([counts, faults])
-        text = self._printed(whole, times, origin)
-        if text is None:
-            text = _formatted(whole, times, origin)
+        text = self._printed(whole, times, origin) or _formatted(whole, times, origin)
         self._written += len(text)
         self._file.write(text)
 
     def _printed(
         self, whole: NDArray[np.int64], times: NDArray[np.float64] | None, origin: float
-    ) -> bytes | memoryview | None:
+    ) -> memoryview | None:
         """The compiled path; None where it is not worth it, or some time needs an exponent."""
         fine = np.spacing(abs(origin)) < 1e-9
         room = whole.size * WHOLE_BYTES + (0 if times is None else len(times) * FLOAT_BYTES)
@@ -287,9 +285,7 @@ class TextLogWriter:
         self._file.close()
 
 
-def _formatted(
-    whole: NDArray[np.int64], times: NDArray[np.float64] | None, origin: float
-) -> bytes:
+def _formatted(whole: NDArray[np.int64], times: NDArray[np.float64] | None, origin: float) -> bytes:
     """Rows as text, one Python number after the other."""
     row = ",".join(["%d"] * whole.shape[1])
     cells = whole

@@ -66,5 +66,5 @@ def _kernels() -> Kernels | None:
         except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
             return njit(nogil=True)(function)
 
-    loops = (compiled(name) for name in Kernels._fields[:-2])
-    return Kernels(*loops, decimals.upper_powers(), decimals.lower_powers())
+    loops = [compiled(name) for name in Kernels._fields[:-2]]
+    return Kernels._make([*loops, decimals.upper_powers(), decimals.lower_powers()])

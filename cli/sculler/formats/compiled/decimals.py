@@ -68,7 +68,7 @@ def _rounded_to_odd(high: Any, low: Any, factor: Any) -> Any:
     return above | np.uint64(middle > np.uint64(1))
 
 
-def shortest(bits: Any, powers: Words) -> tuple[Any, int]:
+def shortest(bits: Any, powers: Words) -> tuple[Any, Any]:
     """The shortest decimal d·10^k that is read as a float again, the nearest to it of these.
 
     Args:
@@ -107,7 +107,7 @@ def shortest(bits: Any, powers: Words) -> tuple[Any, int]:
     return s + np.uint64(value > middle or (value == middle and (s & np.uint64(1)) != 0)), k
 
 
-def nearest(digits: Any, k: int, powers: Words) -> Any:
+def nearest(digits: Any, k: Any, powers: Words) -> Any:
     """The bits of the float nearest to digits·10^k.
 
     Args:

@@ -61,22 +61,8 @@ def scan_log(
                 if at < 0:
                     return -1
             else:
-                negative = text[at] == 45
-                if negative:
-                    at += 1
-                begin, value = at, 0
-                while True:
-                    figure = np.uint8(text[at] - np.uint8(48))
-                    if figure > 9:
-                        break
-                    value = value * 10 + np.int64(figure)
-                    at += 1
-                digits = at - begin
-                if digits < 1 or digits > _MOST_DIGITS:
-                    return -1
-                if negative:
-                    value = -value
-                if value < limits[kind, 0] or value > limits[kind, 1]:
+                value, at = scan_word(text, at)
+                if at < 0 or value < limits[kind, 0] or value > limits[kind, 1]:
                     return -1
                 if kind < FAULT:
                     counts[row, kind] = value
@@ -89,6 +75,21 @@ def scan_log(
             at += 1
         row += 1
     return row
+
+
+def scan_word(text: Bytes, at: int) -> tuple[Any, int]:
+    """A whole number of up to 18 digits at a place, and the place after it; -1 for no such."""
+    negative = text[at] == 45
+    if negative:
+        at += 1
+    begin, value = at, np.int64(0)
+    while True:
+        figure = np.uint8(text[at] - np.uint8(48))
+        if figure > 9:
+            break
+        value = value * 10 + np.int64(figure)
+        at += 1
+    return -value if negative else value, at if 1 <= at - begin <= _MOST_DIGITS else -1
 
 
 def scan_decimal(text: Bytes, at: int, powers: Words) -> tuple[Any, int]:
@@ -116,13 +117,13 @@ def scan_decimal(text: Bytes, at: int, powers: Words) -> tuple[Any, int]:
     digits = at - begin - (1 if point > 0 else 0)
     if digits < 1 or digits - zeros > _FLOAT_DIGITS or at == point:
         return np.uint64(0), -1
-    exponent = point - at if point > 0 else 0
+    exponent = np.int64(point - at if point > 0 else 0)
     if text[at] == 101:
         at += 1
         negative = text[at] == 45
         if negative or text[at] == 43:
             at += 1
-        begin, power = at, 0
+        begin, power = at, np.int64(0)
         while True:
             figure = np.uint8(text[at] - np.uint8(48))
             if figure > 9 or at - begin > _EXPONENT_DIGITS:
@@ -131,7 +132,7 @@ def scan_decimal(text: Bytes, at: int, powers: Words) -> tuple[Any, int]:
             at += 1
         if not 1 <= at - begin <= _EXPONENT_DIGITS:
             return np.uint64(0), -1
-        exponent += -power if negative else power
+        exponent = exponent - power if negative else exponent + power
     if value == 0:
         return sign, at
     found = nearest(value, exponent, powers)
@@ -151,19 +152,9 @@ def scan_whole(
         for column in range(columns):
             if at >= end:
                 return -1
-            negative = text[at] == 45
-            if negative:
-                at += 1
-            begin, value = at, 0
-            while True:
-                figure = np.uint8(text[at] - np.uint8(48))
-                if figure > 9:
-                    break
-                value = value * 10 + np.int64(figure)
-                at += 1
-            if not 1 <= at - begin <= _MOST_DIGITS:
+            whole[row, column], at = scan_word(text, at)
+            if at < 0:
                 return -1
-            whole[row, column] = -value if negative else value
             if text[at] != (44 if timed or column < columns - 1 else 10):
                 return -1
             at += 1
@@ -218,12 +209,11 @@ def scan_wide(
         for column in range(columns):
             if at >= end:
                 return -1
-            begin = at
             if column < 2:
-                at = _scan_word(text, at, whole[row, column : column + 1])
+                whole[row, column], at = scan_word(text, at)
             else:
                 at = _scan_limbs(text, at, limbs[row, column - 2])
-            if at < begin or text[at] != (44 if timed or column < columns - 1 else 10):
+            if at < 0 or text[at] != (44 if timed or column < columns - 1 else 10):
                 return -1
             at += 1
         if timed:
@@ -232,21 +222,6 @@ def scan_wide(
                 return -1
         row += 1
     return row
-
-
-def _scan_word(text: Bytes, at: int, into: Whole) -> int:
-    negative = text[at] == 45
-    if negative:
-        at += 1
-    begin, value = at, 0
-    while True:
-        figure = np.uint8(text[at] - np.uint8(48))
-        if figure > 9:
-            break
-        value = value * 10 + np.int64(figure)
-        at += 1
-    into[0] = -value if negative else value
-    return at if 1 <= at - begin <= _MOST_DIGITS else -1
 
 
 def _scan_limbs(text: Bytes, at: int, limbs: NDArray[np.uint64]) -> int:

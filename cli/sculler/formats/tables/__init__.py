@@ -19,7 +19,17 @@ from sculler.formats.tables.columns import Block, Column, TableReader, TableWrit
 from sculler_model import inputs
 from sculler_model.errors import InputError
 
-__all__ = ["Block", "Column", "TableReader", "open_table", "seconds", "table_kind", "whole", "writing_table"]
+__all__ = [
+    "Block",
+    "Column",
+    "TableReader",
+    "TableWriter",
+    "open_table",
+    "seconds",
+    "table_kind",
+    "whole",
+    "writing_table",
+]
 
 Kind = Literal["npz", "parquet"]
 _ENDINGS: dict[str, Kind] = {".npz": "npz", ".parquet": "parquet"}

@@ -40,11 +40,13 @@ class TableReader(Protocol):
 
     Attributes:
         names: of all columns.
-        rows: how many.
     """
 
     names: Sequence[str]
-    rows: int
+
+    @property
+    def rows(self) -> int:
+        """How many."""
 
     def blocks(self, names: Sequence[str]) -> Iterator[Block]:
         """Some columns, `BLOCK_ROWS` rows at a time."""
@@ -88,3 +90,16 @@ def limbs_of(column: Column, numbers: NDArray[Any]) -> NDArray[np.int64]:
         return np.ascontiguousarray(limbs[:, :wanted])
     above = np.broadcast_to(sign[:, None], (len(limbs), wanted - given))
     return np.concatenate([limbs, above], axis=1)
+
+
+def stored(column: Column, numbers: NDArray[Any]) -> NDArray[Any]:
+    """Numbers as a file holds them: (R,) of the column's kind, or (R, W) limbs where it is wide.
+
+    Raises:
+        ValueError: one does not fit the column's bits.
+    """
+    if column.bits > 64:
+        return limbs_of(column, numbers)
+    if numbers.ndim == 2:
+        numbers = limbs_of(column, numbers)[:, 0]
+    return np.ascontiguousarray(numbers, column.kind)

@@ -20,7 +20,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.lib import format as npy
 
-from sculler.formats.tables.columns import BLOCK_ROWS, Block, Column, limbs_of
+from sculler.formats.tables.columns import BLOCK_ROWS, Block, Column, stored
 from sculler_model.errors import InputError
 
 _IN_MEMORY = 1 << 20  # bytes of a column, before it goes to a file
@@ -51,28 +51,20 @@ class NpzReader:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        with damage_told(path), ExitStack() as stack:
-            self._archive = stack.enter_context(zipfile.ZipFile(path))
-            self._files = {
-                name.removesuffix(".npy"): name for name in self._archive.namelist()
-            }
-            self.names = list(self._files)
-            self._shapes: dict[str, tuple[int, ...]] = {}
-            for name in self.names:
-                with self._archive.open(self._files[name]) as file:
-                    self._shapes[name] = self._header(name, file)[0]
-            self._stack = stack.pop_all()
-        first = self.names[0] if self.names else ""
-        self.rows = self._length(first) if self.names else 0
-        for name in self.names:
-            if self._length(name) != self.rows:
-                raise InputError(
-                    f"{path}: {name} has {self._length(name)} rows and {first} {self.rows}, give"
-                    " as many"
-                )
+        with damage_told(path):
+            self._archive = zipfile.ZipFile(path)
+        self._files = {name.removesuffix(".npy"): name for name in self._archive.namelist()}
+        self.names: Sequence[str] = list(self._files)
+
+    @property
+    def rows(self) -> int:
+        """Of the first column."""
+        with damage_told(self._path):
+            return self._length(self.names[0]) if self.names else 0
 
     def _length(self, name: str) -> int:
-        shape = self._shapes[name]
+        with self._archive.open(self._files[name]) as file:
+            shape, _ = self._header(name, file)
         if not 1 <= len(shape) <= 2:
             raise InputError(f"{self._path}: {name} is of shape {shape}, give a column (N,)")
         return shape[0]
@@ -89,22 +81,38 @@ class NpzReader:
         return shape, kind
 
     def blocks(self, names: Sequence[str]) -> Iterator[Block]:
-        """Columns, some rows at a time."""
+        """Columns, some rows at a time.
+
+        Raises:
+            InputError: they are of several lengths, or the file is damaged.
+        """
         with damage_told(self._path), ExitStack() as stack:
+            length = self._common_length(names)
             files = {}
             for name in names:
                 file = stack.enter_context(self._archive.open(self._files[name]))
                 files[name] = (file, *self._header(name, file))
-            for first in range(0, self.rows, BLOCK_ROWS):
-                rows = min(BLOCK_ROWS, self.rows - first)
+            for first in range(0, length, BLOCK_ROWS):
+                rows = min(BLOCK_ROWS, length - first)
                 yield {name: _rows(*each, rows) for name, each in files.items()}
             for file, *_ in files.values():
                 if file.read(1):  # in the end the archive holds the sum of the bytes against ours
                     raise ValueError("more bytes than its shape says")
 
+    def _common_length(self, names: Sequence[str]) -> int:
+        lengths = {name: self._length(name) for name in names}
+        first = names[0]
+        for name, length in lengths.items():
+            if length != lengths[first]:
+                raise InputError(
+                    f"{self._path}: {name} has {length} rows and {first} {lengths[first]}, give as"
+                    " many"
+                )
+        return lengths[first]
+
     def close(self) -> None:
         """Close the file."""
-        self._stack.close()
+        self._archive.close()
 
 
 def _rows(file: IO[bytes], shape: tuple[int, ...], kind: np.dtype[Any], rows: int) -> Any:
@@ -137,20 +145,16 @@ class NpzWriter:
         self._path, self._columns = path, columns
         self._rows = 0
         self._stack = ExitStack()
-        self._files = {
-            column.name: self._stack.enter_context(
-                tempfile.SpooledTemporaryFile(_IN_MEMORY, dir=path.parent)
-            )
-            for column in columns
-        }
+        self._files: dict[str, IO[bytes]] = {}
+        for column in columns:
+            file = tempfile.SpooledTemporaryFile(_IN_MEMORY, dir=str(path.parent))  # noqa: SIM115
+            self._files[column.name] = self._stack.enter_context(file)
 
     def write(self, block: Block) -> None:
         """Append rows."""
         for column in self._columns:
-            numbers = block[column.name]
-            if column.bits > 64:
-                numbers = limbs_of(column, numbers)
-            content = np.ascontiguousarray(numbers, np.dtype(column.kind).newbyteorder("<"))
+            numbers = stored(column, block[column.name])
+            content = numbers.astype(numbers.dtype.newbyteorder("<"), copy=False)
             self._files[column.name].write(content.data)
         self._rows += len(numbers)
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.formats.tables.columns import BLOCK_ROWS, Block, Column, limbs_of
+from sculler.formats.tables.columns import BLOCK_ROWS, Block, Column, limbs_of, stored
 from sculler_model.errors import InputError
 
 _GROUP_BYTES = 8 << 20  # of a row group, before it is coded
@@ -66,7 +66,7 @@ class ParquetReader:
         with _damage_told(path):
             self._file = pa.parquet.ParquetFile(path, buffer_size=_BUFFER)
             self.names: Sequence[str] = list(self._file.schema_arrow.names)
-            self.rows = int(self._file.metadata.num_rows)
+            self.rows: int = self._file.metadata.num_rows
 
     def blocks(self, names: Sequence[str]) -> Iterator[Block]:
         """Columns, some rows at a time."""
@@ -149,19 +149,19 @@ class ParquetWriter:
             return pa.decimal128(38, 0)
         if column.bits <= _LONG_BITS:
             return pa.decimal256(76, 0)
-        return pa.list_(pa.field("limb", pa.int64(), nullable=False), column.limbs)
+        return pa.list_(pa.field("element", pa.int64(), nullable=False), column.limbs)
 
-    def _array(self, field: Any, column: Column, numbers: NDArray[Any]) -> Any:
-        pa = self._pa
+    def _array(self, field: Any, column: Column, given: NDArray[Any]) -> Any:
+        pa, numbers = self._pa, stored(column, given)
+        if np.shares_memory(numbers, given):
+            numbers = numbers.copy()  # it waits for its row group
         if column.bits <= 64:
-            return pa.array(np.array(numbers, column.kind))  # a copy: it waits for its row group
+            return pa.array(numbers)
         if column.bits > _LONG_BITS:
-            flat = pa.array(limbs_of(column, numbers).ravel())
-            return pa.FixedSizeListArray.from_arrays(flat, type=field.type)
-        wide = column._replace(bits=64 * (field.type.byte_width // 8))
-        limbs_of(column, numbers)  # refuses what is wider
-        limbs = np.array(limbs_of(wide, numbers))
-        return pa.Array.from_buffers(field.type, len(limbs), [None, pa.py_buffer(limbs)])
+            return pa.FixedSizeListArray.from_arrays(pa.array(numbers.ravel()), type=field.type)
+        whole = column._replace(bits=8 * field.type.byte_width)
+        numbers = np.ascontiguousarray(limbs_of(whole, numbers))
+        return pa.Array.from_buffers(field.type, len(numbers), [None, pa.py_buffer(numbers)])
 
     def write(self, block: Block) -> None:
         """Append rows."""
