@@ -65,7 +65,7 @@ class Core:
         Raises:
             InputError: the folder cannot be made or written to.
         """
-        return write_hardware(self.design, Path(folder))
+        return list(write_hardware(self.design, Path(folder)).files)
 
 
 def generate(design: Design) -> Core:
