@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler.formats.lines import ahead
 from sculler.formats.log_columns import (
     COUNTS,
     FAULT,
@@ -23,7 +24,14 @@ from sculler.formats.log_columns import (
     too_late,
 )
 from sculler.formats.log_text import decimals
-from sculler.formats.tables import Column, open_table, seconds, whole, writing_table
+from sculler.formats.tables import (
+    Column,
+    TableReader,
+    open_table,
+    seconds,
+    whole,
+    writing_table,
+)
 from sculler_model.design import Design, Interval
 from sculler_model.errors import InputError
 
@@ -37,19 +45,23 @@ def read_log_table(
         InputError: it cannot be read or has a fault; names file, row and column.
     """
     with open_table(path, "log") as table:
-        names = list(table.names)
-        require_columns(str(path), names)
-        rows = _Rows(path, ranges(design))
-        share = Path(path).stat().st_size / max(table.rows, 1)
-        first = 1
-        for block in table.blocks(names):
-            chunk = rows.chunk(block, first)
-            first += len(chunk.counts)
-            if advance is not None:
-                advance(round(share * len(chunk.counts)))
-            yield chunk
-        if first == 1:
-            raise InputError(f"{path}: the log has no samples, give some")
+        require_columns(str(path), list(table.names))
+        yield from ahead(_chunks(path, table, _Rows(path, ranges(design)), advance))
+
+
+def _chunks(
+    path: str | Path, table: TableReader, rows: _Rows, advance: Callable[[int], None] | None
+) -> Iterator[Chunk]:
+    share = Path(path).stat().st_size / max(table.rows, 1)
+    first = 1
+    for block in table.blocks(table.names):
+        chunk = rows.chunk(block, first)
+        first += len(chunk.counts)
+        if advance is not None:
+            advance(round(share * len(chunk.counts)))
+        yield chunk
+    if first == 1:
+        raise InputError(f"{path}: the log has no samples, give some")
 
 
 class _Rows:

@@ -16,6 +16,8 @@ from sculler_model.design import COLUMNS, HIGH_RESOLUTION_COLUMNS, Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock, limbs_of
 
+_TOGETHER = 1 << 14  # rows written together
+
 
 class TableVectors(AbstractContextManager["TableVectors"]):
     """A binary vectors file to read; a context with the attributes of `TextVectors`.
@@ -102,19 +104,34 @@ class TableVectorsWriter:
             made.append(Column(name, bits=max(bits, 64)))
         made += [Column(TIME, "float64")] * times
         self._columns = tuple(columns)
+        self._waiting: list[VectorBlock] = []
+        self._rows = 0
         self._stack = ExitStack()
         self._table = self._stack.enter_context(writing_table(path, made))
 
     def write(self, block: VectorBlock) -> None:
         """Append the block's rows."""
+        self._waiting.append(block)
+        self._rows += len(block)
+        if self._rows >= _TOGETHER:
+            self._flush()
+
+    def _flush(self) -> None:
+        """Write the blocks that wait; many small ones would take long."""
+        block = VectorBlock.concatenate(self._waiting)
+        self._waiting, self._rows = [], 0
         limbs = limbs_of(block.components)
+        turned = np.ascontiguousarray(limbs.transpose(1, 0, 2))
         rows: dict[str, NDArray[Any]] = {"major": block.major, "status": block.status}
-        for place, name in enumerate(self._columns[2:]):
-            rows[name] = limbs[:, place]
+        for name, numbers in zip(self._columns[2:], turned, strict=True):
+            rows[name] = numbers if numbers.shape[1] > 1 else numbers[:, 0]
         if block.times is not None:
             rows[TIME] = block.times
         self._table.write(rows)
 
-    def close(self, *error: Any) -> None:
+    def close(self, kind: Any, error: Any, trace: Any) -> None:
         """Make the file whole, or let go of it after an error (its kind, it, its trace)."""
-        self._stack.__exit__(*error)
+        with self._stack:
+            if kind is None and self._waiting:
+                self._flush()
+            self._stack.__exit__(kind, error, trace)
