@@ -56,7 +56,7 @@ def command(
     breaks: Policy,
     as_json: bool,
 ) -> None:
-    """Run the IMU log LOG (CSV of counts, - for stdin) through the register-transfer level.
+    """Run the IMU log LOG (counts as CSV, npz or Parquet; - for CSV from stdin) through the register-transfer level.
 
     Writes the vectors that the core hands over, for `sculler compare` with those of `sculler
     model`.

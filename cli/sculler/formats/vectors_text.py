@@ -29,7 +29,6 @@ TIME = "time_s"
 MAX_DIGITS = 4000
 """Of a component, many times what any design gives; Python converts no more than 4300."""
 
-_SHORT_DIGITS = 18  # 10**18 < 2**63
 _DIGIT_BITS = 3.3219280948873626
 _MOST_LIMBS = 32  # read by compiled loops; any design's components have fewer
 _LIMB_BYTES = 20  # decimal digits that a limb adds, at most
@@ -147,15 +146,12 @@ class TextVectors(AbstractContextManager["TextVectors"]):
         rows, columns = text.count(b"\n"), len(self.columns)
         characters = np.frombuffer(text, np.uint8)
         bits = np.empty(rows if self.times else 0, np.uint64)
+        whole = np.empty((rows, columns), np.int64)
+        found = compiled.scan_whole(characters, columns, self.times, compiled.lower, whole, bits)
+        if found == rows:
+            times = bits.view(np.float64) if self.times else None
+            return VectorBlock(whole[:, 0].copy(), whole[:, 1].copy(), whole[:, 2:], times)
         longest = compiled.longest(characters)
-        if longest <= _SHORT_DIGITS or (self.times and longest <= FLOAT_BYTES):
-            whole = np.empty((rows, columns), np.int64)
-            found = compiled.scan_whole(
-                characters, columns, self.times, compiled.lower, whole, bits
-            )
-            if found == rows:
-                times = bits.view(np.float64) if self.times else None
-                return VectorBlock(whole[:, 0].copy(), whole[:, 1].copy(), whole[:, 2:], times)
         limbs = int(longest * _DIGIT_BITS + 1) // 64 + 1
         if limbs > _MOST_LIMBS:
             return None

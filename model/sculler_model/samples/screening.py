@@ -1,4 +1,4 @@
-"""A quick look through samples, compiled by Numba (the extra `fast`), for what there may be to find.
+"""A look through samples, compiled by Numba (the extra `fast`), that tells where to look closely.
 
 `Plausibility` looks closely only where it says so.  The functions are plain Python.
 """

@@ -20,19 +20,24 @@ Floats = NDArray[np.float64]
 WHOLE_BYTES, FLOAT_BYTES = 21, 26
 """Most bytes that a whole number of 64 bits and a float take, the separator after it too."""
 
-_TEN = np.uint64(10)
+_TEN, _HUNDRED, _THOUSAND, _MYRIAD = (np.uint64(10**k) for k in (1, 2, 3, 4))
+_PAIRS = np.frombuffer("".join(f"{pair:02}" for pair in range(100)).encode(), np.uint8)
 _NINE_DIGITS = np.uint64(10**9)
 _LOW, _HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
 
 
 def digits_of(value: Any) -> int:
     """How many decimal digits a word of 64 bits has."""
-    count, bound = 1, _TEN
-    while value >= bound:
+    count = 1
+    while value >= _MYRIAD:
+        value = value // _MYRIAD
+        count += 4
+    if value >= _TEN:
         count += 1
-        if count == 20:
-            break
-        bound *= _TEN
+    if value >= _HUNDRED:
+        count += 1
+    if value >= _THOUSAND:
+        count += 1
     return count
 
 
@@ -40,11 +45,14 @@ def put_digits(out: Bytes, at: int, value: Any, count: int) -> int:
     """A word of 64 bits in so many digits."""
     end = at + count
     place = end
-    while place > at:
-        place -= 1
-        rest = value // _TEN
-        out[place] = np.uint8(48) + np.uint8(value - rest * _TEN)
+    while place > at + 1:
+        rest = value // _HUNDRED
+        pair = 2 * np.int64(value - rest * _HUNDRED)
+        place -= 2
+        out[place], out[place + 1] = _PAIRS[pair], _PAIRS[pair + 1]
         value = rest
+    if place > at:
+        out[at] = np.uint8(48) + np.uint8(value)
     return end
 
 
