@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from sculler.formats.tables.columns import BLOCK_ROWS, Block, Column, limbs_of, stored
 from sculler_model.errors import InputError
 
-_GROUP_BYTES = 8 << 20  # of a row group, before it is coded
-_BUFFER = 1 << 20  # bytes of a column read at a time
+_GROUP_BYTES = 4 << 20  # of a row group, before it is coded
+_BUFFER = 1 << 16  # bytes of a column read at a time
 _SHORT_BITS, _LONG_BITS = 126, 252  # of decimals with 38 and 76 digits
 
 
@@ -73,7 +73,9 @@ class ParquetReader:
         first = 0
         with _damage_told(self._path):
             try:
-                for batch in self._file.iter_batches(BLOCK_ROWS, columns=list(names)):
+                for batch in self._file.iter_batches(
+                    BLOCK_ROWS, columns=list(names), use_threads=False
+                ):
                     if batch.num_rows:
                         yield {name: self._numbers(batch, name, first) for name in names}
                     first += batch.num_rows
@@ -87,16 +89,17 @@ class ParquetReader:
 
         array = batch.column(name)
         if array.null_count:
-            row = first + int(np.argmax(array.is_null().to_numpy(zero_copy_only=False)))
+            row = first + array.is_null().to_pylist().index(True)
             raise InputError(f"{self._path}: row {row + 1}: {name} is empty, give a number")
         kind = array.type
         if pa.types.is_decimal(kind) and kind.scale == 0 and kind.byte_width in (16, 32):
-            limbs = np.frombuffer(array.buffers()[1], np.int64).reshape(-1, kind.byte_width // 8)
-            return limbs[array.offset : array.offset + len(array)]
+            return _values(array, np.int64, kind.byte_width // 8)
         if pa.types.is_fixed_size_list(kind) and pa.types.is_int64(kind.value_type):
             return self._listed(array, name, first)
-        if pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind):
-            return np.asarray(array.to_numpy(zero_copy_only=False))
+        if pa.types.is_boolean(kind):
+            return _values(array.cast(pa.uint8()), np.bool_)
+        if pa.types.is_integer(kind) or pa.types.is_floating(kind):
+            return _values(array, kind.to_pandas_dtype())
         raise InputError(f"{self._path}: {name} is of type {kind}, give numbers")
 
     def _listed(self, array: Any, name: str, first: int) -> NDArray[np.int64]:
@@ -105,12 +108,20 @@ class ParquetReader:
             raise InputError(
                 f"{self._path}: a limb of {name} after row {first} is empty, give int64"
             )
-        numbers: NDArray[np.int64] = limbs.to_numpy()
-        return numbers.reshape(len(array), array.type.list_size)
+        return _values(limbs, np.int64).reshape(len(array), array.type.list_size)
 
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+
+
+def _values(array: Any, kind: Any, width: int = 1) -> NDArray[Any]:
+    """The memory of an array without empty cells; its `to_numpy` loads pandas where it is there."""
+    cell = width * np.dtype(kind).itemsize
+    numbers = np.frombuffer(
+        array.buffers()[1], kind, count=width * len(array), offset=array.offset * cell
+    )
+    return numbers if width == 1 else numbers.reshape(-1, width)
 
 
 class ParquetWriter:
@@ -155,13 +166,17 @@ class ParquetWriter:
         pa, numbers = self._pa, stored(column, given)
         if np.shares_memory(numbers, given):
             numbers = numbers.copy()  # it waits for its row group
-        if column.bits <= 64:
-            return pa.array(numbers)
         if column.bits > _LONG_BITS:
-            return pa.FixedSizeListArray.from_arrays(pa.array(numbers.ravel()), type=field.type)
-        whole = column._replace(bits=8 * field.type.byte_width)
-        numbers = np.ascontiguousarray(limbs_of(whole, numbers))
-        return pa.Array.from_buffers(field.type, len(numbers), [None, pa.py_buffer(numbers)])
+            flat = self._from(pa.int64(), numbers.ravel())
+            return pa.FixedSizeListArray.from_arrays(flat, type=field.type)
+        if column.bits > 64:
+            whole = column._replace(bits=8 * field.type.byte_width)
+            numbers = np.ascontiguousarray(limbs_of(whole, numbers))
+        return self._from(field.type, numbers)
+
+    def _from(self, kind: Any, numbers: NDArray[Any]) -> Any:
+        """An array over the same memory; `pyarrow.array` would load pandas where it is there."""
+        return self._pa.Array.from_buffers(kind, len(numbers), [None, self._pa.py_buffer(numbers)])
 
     def write(self, block: Block) -> None:
         """Append rows."""
