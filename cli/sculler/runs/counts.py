@@ -284,7 +284,7 @@ def _write(
     """
     results = 0
     marked = dict.fromkeys((STATUS_SHORT_HISTORY, STATUS_FAULT, STATUS_RAIL, STATUS_LOST), 0)
-    with VectorsWriter(output, design.columns, times) as writer:
+    with VectorsWriter(output, design.columns, times, design) as writer:
         for block in blocks:
             writer.write(block)
             results += len(block)
