@@ -127,14 +127,25 @@ def test_room_for_a_second_result_buys_time_for_additions():
     assert timing(design).results == 1
 
 
+def places_of(block, top, verilog):
+    """The instances of a block, each as the path of instances below the top module."""
+    modules = dict(re.findall(r"^module (\w+) \((.*?)^endmodule", verilog, re.M | re.S))
+    for kind, name in re.findall(r"^  (\w+) (?:#\(.*?\) )?(\w+) \($", modules[top], re.M | re.S):
+        if kind == block:
+            yield name
+        elif kind in modules:
+            yield from (f"{name}.{below}" for below in places_of(block, kind, verilog))
+
+
 @pytest.mark.parametrize(
     "name", few_of(["stim300_4x5", "dense_time_3", "taylor_3p3", "wide_5p0"], ["stim300_4x5"])
 )
 def test_every_block_is_named_once_where_it_stands(name):
-    generated = generate(with_hardware(DESIGNS[name], target="ecp5"))
+    design = with_hardware(DESIGNS[name], target="ecp5")
+    generated = generate(design)
     groups = generated.manifest.block_groups
-    instances = re.findall(r"MULT18X18D #\(.*?\) \\(\S+)", generated.verilog, re.DOTALL)
-    assert sorted(f"{block}.block" for group in groups for block in group) == sorted(instances)
+    instances = list(places_of("MULT18X18D", design.name, generated.verilog))
+    assert sorted(f"{block}.dsp" for group in groups for block in group) == sorted(instances)
     assert len(instances) == generated.manifest.resources["multipliers"]
     for group in groups:
         assert len({block.partition(".")[0] for block in group}) == 1
@@ -146,9 +157,9 @@ def test_blocks_of_a_long_array_are_grouped_by_total():
     groups = generate(design).manifest.block_groups
     found = [{re.match(r"(\w+\.unit\d)_", block)[1] for block in group} for group in groups]
     assert found == [
-        {"within.unit1", "within.unit2"},
-        {"between.unit0", "between.unit1", "between.unit2"},
-        {"within.unit0"},
+        {"cross_within.unit1", "cross_within.unit2"},
+        {"cross_between.unit0", "cross_between.unit1", "cross_between.unit2"},
+        {"cross_within.unit0"},
     ]
     assert [len(group) for group in groups] == [24, 24, 12]
 

@@ -33,7 +33,7 @@ from sculler_hdl.export.rtlil_text import (
 LONGEST = 64
 """Characters of a name."""
 
-_PLAIN_WORDS = {"input": "data_in", "output": "data_out"}
+_PLAIN_WORDS = {"input": "data_in", "output": "data_out", "before": "previous"}
 
 
 def plain_modules(
@@ -106,21 +106,23 @@ def _without_aliases(module: Module) -> None:
     """Put what a wire is connected to in its place, but for outputs."""
     widths = module.widths
     aliases: dict[Bit, Bit] = {}
-    kept = []
+    outputs: dict[str, dict[Bit, Bit]] = {}
     for left, right in module.connections:
-        bits = list(zip(bits_in(left, widths), bits_in(right, widths), strict=True))
-        aliases |= {bit: of for bit, of in bits if not module.wires[bit[0]].direction}
-        kept += [(bit, of) for bit, of in bits if module.wires[bit[0]].direction]
+        for bit, of in zip(bits_in(left, widths), bits_in(right, widths), strict=True):
+            if module.wires[bit[0]].direction:
+                outputs.setdefault(bit[0], {})[bit] = of
+            else:
+                aliases[bit] = of
 
     def followed(bit: Bit) -> Bit:
         while bit in aliases:
             bit = aliases[bit]
         return bit
 
-    module.connections = []
-    if kept:
-        left, right = (of_bits(side, widths) for side in zip(*kept, strict=True))
-        module.connections.append((left, right))
+    module.connections = [
+        (of_bits(list(bits), widths), of_bits(list(bits.values()), widths))
+        for bits in (dict(sorted(bits.items())) for bits in outputs.values())
+    ]
     module.replace_bits(followed, module.wires)
 
 

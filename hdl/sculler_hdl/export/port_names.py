@@ -1,81 +1,141 @@
-"""Ports of parts under the names of their signatures, in the RTLIL that Amaranth writes.
+"""Ports of parts as in their signatures, in the RTLIL that Amaranth writes.
 
-Where a signal of a signature is another one, or made of others, Amaranth names the port after that
-other one, or after a number.  Here such ports get the signature's names back.
+Where a signal of a signature is but another name, or made of other signals, Amaranth makes ports of
+those others, under their names or under numbers.  Here
+
+* a port that is the whole of a signature's signal gets its name;
+* outputs that together are one become that one;
+* what is a part of one is called after it and the part's lowest bit.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Set
+from dataclasses import dataclass, field
+
+from sculler_hdl.export.rtlil_text import Bit, bits_in
 
 _MODULE = re.compile(r"^module (?P<name>\S+)\n.*?^end$", re.M | re.S)
-_PORT = re.compile(
-    r"^  wire width (?P<width>\d+) (?P<direction>input|output) \d+ .*?(?P<name>\S+)$", re.M
+_WIRE = re.compile(
+    r"^  wire width (?P<width>\d+)(?: (?P<direction>input|output) (?P<place>\d+))?"
+    r" +(?:signed +)?(?P<name>\S+)$",
+    re.M,
 )
 _ALIAS = re.compile(r"^connect (?P<name>\S+) (?P<of>.+)$", re.M)
 _CELL = re.compile(r"^  cell (?P<kind>\S+) \S+\n.*?^  end$", re.M | re.S)
-_PIECE = re.compile(r"(?:([\\$]\S+)(?: \[(\d+)(?::(\d+))?\])?|(\d+)'\d+)")
+_CONNECTION = re.compile(r"^    connect (?P<port>\S+) (?P<signal>.+)\n", re.M)
 _SIGNAL = re.compile(r"[\\$]\S+")
 
 
+@dataclass
+class _Changes:
+    """What becomes of a module's ports.
+
+    Attributes:
+        names: new names by old ones.
+        whole: for an output, the outputs it takes the place of, the highest bits first.
+    """
+
+    names: dict[str, str] = field(default_factory=dict)
+    whole: dict[str, list[str]] = field(default_factory=dict)
+
+
 def with_signature_names(text: str, members: Mapping[str, Set[str]]) -> str:
-    """RTLIL whose parts' ports are called as in their signatures.
+    """RTLIL whose parts' ports are those of their signatures.
 
     Args:
         text: as Amaranth writes it.
         members: names in the signature of a module, by module; those of others stay.
     """
-    names: dict[str, dict[str, str]] = {}
+    changes: dict[str, _Changes] = {}
 
     def in_module(found: re.Match[str]) -> str:
-        changes = _changes(found[0], members.get(found["name"], frozenset()))
-        names[found["name"]] = changes
-        swapped = changes | {new: old for old, new in changes.items()}
-        return _SIGNAL.sub(lambda name: swapped.get(name[0], name[0]), found[0])
+        made = _changes(found[0], members.get(found["name"], frozenset()))
+        changes[found["name"]] = made
+        swapped = made.names | {new: old for old, new in made.names.items()}
+        module = _SIGNAL.sub(lambda name: swapped.get(name[0], name[0]), found[0])
+        for whole, parts in made.whole.items():
+            module = _collected(module, whole, parts)
+        return module
 
     def in_cell(found: re.Match[str]) -> str:
-        changes = names.get(found["kind"], {})
-
-        def port(line: re.Match[str]) -> str:
-            return f"{line[1]}{changes.get(line[2], line[2])} "
-
-        return re.sub(r"^(    connect )(\S+) ", port, found[0], flags=re.M)
+        made = changes.get(found["kind"])
+        return found[0] if made is None else _connected(found[0], made)
 
     return _CELL.sub(in_cell, _MODULE.sub(in_module, text))
 
 
-def _changes(module: str, members: Set[str]) -> dict[str, str]:
-    """New names of ports by old ones."""
-    ports = {each["name"]: int(each["width"]) for each in _PORT.finditer(module)}
-    changes: dict[str, str] = {}
-    taken = set(ports)
-    for alias in _ALIAS.finditer(module):
-        name = alias["name"]
-        if name[1:] not in members or name in ports:
+def _changes(module: str, members: Set[str]) -> _Changes:
+    wires = {wire["name"]: wire for wire in _WIRE.finditer(module)}
+    widths = {name: int(wire["width"]) for name, wire in wires.items()}
+    aliases = [(found["name"], bits_in(found["of"], widths)) for found in _ALIAS.finditer(module)]
+    sources = {(name, bit): of for name, bits in aliases for bit, of in enumerate(bits)}
+
+    def source(bit: Bit) -> Bit:
+        while bit in sources:
+            bit = sources[bit]
+        return bit
+
+    # ports under other names than the signature's, by the bits that they show
+    shown = {
+        source((name, bit)): (name, bit)
+        for name, wire in wires.items()
+        if wire["direction"] and name[1:] not in members
+        for bit in range(widths[name])
+    }
+    made = _Changes()
+    taken = {name for name, wire in wires.items() if wire["direction"]}
+    for name, bits in aliases:
+        if name[1:] not in members or name in taken:
             continue
-        pieces = _pieces(alias["of"], ports)
-        for low, piece in pieces:
-            if piece not in ports or piece[1:] in members or piece in changes:
-                continue
-            new = name if len(pieces) == 1 else f"{name}_{low}"
-            if new not in taken:
-                changes[piece] = new
+        found = [shown.get(source(bit)) for bit in bits]
+        ports = list(dict.fromkeys(port for port, _ in filter(None, found)))
+        whole = [(port, bit) for port in ports for bit in range(widths[port])]
+        if len(ports) > 1 and found == whole and wires[ports[0]]["direction"] == "output":
+            made.whole[name] = ports[::-1]
+            taken.add(name)
+            continue
+        for port in ports:
+            low = found.index((port, 0)) if (port, 0) in found else 0
+            new = name if found == whole and len(ports) == 1 else f"{name}_{low}"
+            if port not in made.names and new not in taken:
+                made.names[port] = new
                 taken.add(new)
-    return changes
+    return made
 
 
-def _pieces(signal: str, widths: Mapping[str, int]) -> list[tuple[int, str]]:
-    """Where each piece of a signal expression begins, and its wire, "" for a constant."""
-    found, low = [], 0
-    for piece in reversed(_PIECE.findall(signal)):
-        name, high, last, constant = piece
-        if constant:
-            width = int(constant)
-        elif high:
-            width = int(high) - int(last or high) + 1
-        else:
-            width = widths.get(name, 0)
-        found.append((low, name))
-        low += width
-    return found
+def _collected(module: str, whole: str, parts: list[str]) -> str:
+    """A module with one output in the place of several."""
+    places = []
+
+    def inner(wire: re.Match[str]) -> str:
+        if wire["name"] not in parts:
+            return wire[0]
+        places.append(wire["place"])
+        return wire[0].replace(f" output {wire['place']}", "")
+
+    module = _WIRE.sub(inner, module)
+
+    def outer(wire: re.Match[str]) -> str:
+        if wire["name"] != whole:
+            return wire[0]
+        return wire[0].replace(
+            f"width {wire['width']}", f"width {wire['width']} output {places[0]}"
+        )
+
+    return _WIRE.sub(outer, module)
+
+
+def _connected(cell: str, made: _Changes) -> str:
+    """An instance with its ports' new names."""
+    found = {each["port"]: each["signal"] for each in _CONNECTION.finditer(cell)}
+    head = _CONNECTION.sub("", cell).removesuffix("  end")
+    lines = []
+    for whole, parts in made.whole.items():
+        signals = [found.pop(part) for part in parts]
+        inner = " ".join(signal.strip("{} ") for signal in signals)
+        lines.append(f"    connect {whole} {{ {inner} }}\n")
+    for port, signal in found.items():
+        lines.append(f"    connect {made.names.get(port, port)} {signal}\n")
+    return f"{head}{''.join(lines)}  end"
