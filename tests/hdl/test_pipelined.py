@@ -7,6 +7,7 @@ import pytest
 from amaranth.hdl import ClockDomain, Module
 from amaranth.sim import Simulator
 
+from bench_files import modules_of, places
 from position_designs import HIGH_RESOLUTION
 from sculler_hdl import counter_ports, generate, timing
 from sculler_hdl.pipelined.core import PipelinedCore
@@ -127,16 +128,6 @@ def test_room_for_a_second_result_buys_time_for_additions():
     assert timing(design).results == 1
 
 
-def places_of(block, top, verilog):
-    """The instances of a block, each as the path of instances below the top module."""
-    modules = dict(re.findall(r"^module (\w+) \((.*?)^endmodule", verilog, re.M | re.S))
-    for kind, name in re.findall(r"^  (\w+) (?:#\(.*?\) )?(\w+) \($", modules[top], re.M | re.S):
-        if kind == block:
-            yield name
-        elif kind in modules:
-            yield from (f"{name}.{below}" for below in places_of(block, kind, verilog))
-
-
 @pytest.mark.parametrize(
     "name", few_of(["stim300_4x5", "dense_time_3", "taylor_3p3", "wide_5p0"], ["stim300_4x5"])
 )
@@ -144,7 +135,8 @@ def test_every_block_is_named_once_where_it_stands(name):
     design = with_hardware(DESIGNS[name], target="ecp5")
     generated = generate(design)
     groups = generated.manifest.block_groups
-    instances = list(places_of("MULT18X18D", design.name, generated.verilog))
+    modules = modules_of(generated.verilog)
+    instances = [path for kind, path in places(design.name, modules) if kind == "MULT18X18D"]
     assert sorted(f"{block}.dsp" for group in groups for block in group) == sorted(instances)
     assert len(instances) == generated.manifest.resources["multipliers"]
     for group in groups:

@@ -8,7 +8,7 @@ and VHDL take without an escape:
 * parts that are alike in every bit share one module, called by its kind, `stim300_4x5_running_sum`;
 * the parts' names begin with the design's, so that generated cores can stand in one project.
 
-Of a part's inputs only the bits are left that it reads.
+What nothing reads is left out (`unread`).
 """
 
 from __future__ import annotations
@@ -17,18 +17,15 @@ import hashlib
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
 
 from sculler_hdl.export.reserved import RESERVED
 from sculler_hdl.export.rtlil_text import (
-    Bit,
     Cell,
     Module,
     Wire,
-    bits_in,
-    of_bits,
     renamed,
 )
+from sculler_hdl.export.unread import without_unread
 
 LONGEST = 64
 """Characters of a name."""
@@ -48,7 +45,7 @@ def plain_modules(
             is not told is a memory.
     """
     order = list(_parts_first(modules, top))
-    without_unread_bits(modules, order)
+    without_unread(modules, order)
     ports: dict[str, dict[str, str]] = {}  # new names of a module's ports
     names: dict[str, str] = {}  # new name by old name
     alike: dict[str, str] = {}  # the module that a text stands for
@@ -80,102 +77,6 @@ def _parts_first(modules: Mapping[str, Module], top: str) -> Iterator[str]:
         yield name
 
     return visit(top)
-
-
-def without_unread_bits(modules: Mapping[str, Module], order: list[str]) -> None:
-    """Take away wires that are but other names, and the bits of wires and inputs not read.
-
-    Args:
-        modules: all modules.
-        order: their names, each after those it is made of; the last one's ports stay.
-    """
-    left: dict[str, dict[str, list[Cut]]] = {}
-    for name in order:
-        module = modules[name]
-        for cell in module.cells.values():
-            for port, cuts in left.get(cell.kind, {}).items():
-                bits = bits_in(cell.connections.pop(port), module.widths)
-                for cut in cuts:
-                    some = bits[cut.first : cut.last + 1]
-                    cell.connections[cut.name] = of_bits(some, module.widths)
-        _without_aliases(module)
-        left[name] = _cut(module, inputs=name != order[-1])
-
-
-def _without_aliases(module: Module) -> None:
-    """Put what a wire is connected to in its place, but for outputs."""
-    widths = module.widths
-    aliases: dict[Bit, Bit] = {}
-    outputs: dict[str, dict[Bit, Bit]] = {}
-    for left, right in module.connections:
-        for bit, of in zip(bits_in(left, widths), bits_in(right, widths), strict=True):
-            if module.wires[bit[0]].direction:
-                outputs.setdefault(bit[0], {})[bit] = of
-            else:
-                aliases[bit] = of
-
-    def followed(bit: Bit) -> Bit:
-        while bit in aliases:
-            bit = aliases[bit]
-        return bit
-
-    module.connections = [
-        (of_bits(list(bits), widths), of_bits(list(bits.values()), widths))
-        for bits in (dict(sorted(bits.items())) for bits in outputs.values())
-    ]
-    module.replace_bits(followed, module.wires)
-
-
-class Cut(NamedTuple):
-    """What is left of a wire: a name, and which bits of the whole it has."""
-
-    name: str
-    first: int
-    last: int
-
-
-def _cut(module: Module, *, inputs: bool) -> dict[str, list[Cut]]:
-    """Leave of each wire only the bits that stand anywhere; what became of inputs."""
-    there: dict[str, set[int]] = {name: set() for name in module.wires}
-    for name, bit in module.bits():
-        if name in there:
-            there[name].add(bit)
-    cuts: dict[str, list[Cut]] = {}
-    for name, wire in module.wires.items():
-        if wire.direction == "output" or (wire.direction == "input" and not inputs):
-            continue
-        runs = _runs(there[name])
-        if runs != [(0, wire.width - 1)]:
-            cuts[name] = [
-                Cut(name if len(runs) == 1 else f"{name}[{last}:{first}]", first, last)
-                for first, last in runs
-            ]
-    changes = {
-        (name, bit): (cut.name, bit - cut.first)
-        for name, parts in cuts.items()
-        for cut in parts
-        for bit in range(cut.first, cut.last + 1)
-    }
-    wires: dict[str, Wire] = {}
-    for name, wire in module.wires.items():
-        for cut in cuts.get(name, [Cut(name, 0, wire.width - 1)]):
-            width = cut.last - cut.first + 1
-            init = wire.init and wire.init[wire.width - 1 - cut.last : wire.width - cut.first]
-            wires[cut.name] = Wire(width, wire.direction, wire.place, wire.signed, init)
-    found = {name: cut for name, cut in cuts.items() if module.wires[name].direction}
-    module.replace_bits(lambda bit: changes.get(bit, bit), wires)
-    return found
-
-
-def _runs(bits: set[int]) -> list[tuple[int, int]]:
-    """First and last of each run of neighbours."""
-    runs: list[tuple[int, int]] = []
-    for bit in sorted(bits):
-        if runs and runs[-1][1] == bit - 1:
-            runs[-1] = (runs[-1][0], bit)
-        else:
-            runs.append((bit, bit))
-    return runs
 
 
 def _plain_signals(module: Module, *, keep_ports: bool) -> dict[str, str]:

@@ -25,6 +25,7 @@ _WIRE = re.compile(
 _ALIAS = re.compile(r"^connect (?P<name>\S+) (?P<of>.+)$", re.M)
 _CELL = re.compile(r"^  cell (?P<kind>\S+) \S+\n.*?^  end$", re.M | re.S)
 _CONNECTION = re.compile(r"^    connect (?P<port>\S+) (?P<signal>.+)\n", re.M)
+_LINE = re.compile(r"^(  cell .*|    parameter .*|    connect \S+ |)(.*)$", re.M)
 _SIGNAL = re.compile(r"[\\$]\S+")
 
 
@@ -53,8 +54,7 @@ def with_signature_names(text: str, members: Mapping[str, Set[str]]) -> str:
     def in_module(found: re.Match[str]) -> str:
         made = _changes(found[0], members.get(found["name"], frozenset()))
         changes[found["name"]] = made
-        swapped = made.names | {new: old for old, new in made.names.items()}
-        module = _SIGNAL.sub(lambda name: swapped.get(name[0], name[0]), found[0])
+        module = _renamed(found[0], made.names | {new: old for old, new in made.names.items()})
         for whole, parts in made.whole.items():
             module = _collected(module, whole, parts)
         return module
@@ -85,24 +85,37 @@ def _changes(module: str, members: Set[str]) -> _Changes:
         for bit in range(widths[name])
     }
     made = _Changes()
+    used: set[str] = set()  # ports that have got their place
     taken = {name for name, wire in wires.items() if wire["direction"]}
     for name, bits in aliases:
         if name[1:] not in members or name in taken:
             continue
         found = [shown.get(source(bit)) for bit in bits]
+        found = [port if port and port[0] not in used else None for port in found]
         ports = list(dict.fromkeys(port for port, _ in filter(None, found)))
         whole = [(port, bit) for port in ports for bit in range(widths[port])]
         if len(ports) > 1 and found == whole and wires[ports[0]]["direction"] == "output":
             made.whole[name] = ports[::-1]
             taken.add(name)
+            used.update(ports)
             continue
         for port in ports:
             low = found.index((port, 0)) if (port, 0) in found else 0
             new = name if found == whole and len(ports) == 1 else f"{name}_{low}"
-            if port not in made.names and new not in taken:
+            if new not in taken:
                 made.names[port] = new
                 taken.add(new)
+                used.add(port)
     return made
+
+
+def _renamed(module: str, names: Mapping[str, str]) -> str:
+    """A module with other names for its signals; cells, their ports and parameters keep theirs."""
+
+    def line(found: re.Match[str]) -> str:
+        return found[1] + _SIGNAL.sub(lambda name: names.get(name[0], name[0]), found[2])
+
+    return _LINE.sub(line, module)
 
 
 def _collected(module: str, whole: str, parts: list[str]) -> str:

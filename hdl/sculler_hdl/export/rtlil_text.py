@@ -14,7 +14,7 @@ _WIRE = re.compile(
     r"(?P<signed> signed)? (?P<name>\S+)$"
 )
 _NAME = re.compile(r"[\\$]\S+")
-_INIT = re.compile(r"  attribute \\init \d+'(?P<bits>\d+)$")
+_INIT = re.compile(r"  attribute \\init (?P<constant>\S+)$")
 
 
 @dataclass
@@ -127,7 +127,7 @@ def read_modules(text: str) -> dict[str, Module]:
             module = modules[words[1]] = Module(words[1])
         elif words[0] == "attribute":
             found = _INIT.match(line)
-            init = found["bits"] if found else init
+            init = _bits(found["constant"]) if found else init
         elif words[0] == "wire" and (made := _WIRE.match(line)):
             module.wires[made["name"]] = Wire(
                 int(made["width"] or 1),
@@ -150,6 +150,12 @@ def read_modules(text: str) -> dict[str, Module]:
         else:
             raise ValueError(f"a line of RTLIL that is not known: {line}")
     return modules
+
+
+def _bits(constant: str) -> str:
+    """The bits of a constant, the highest first; Yosys writes one of 32 bits as a number."""
+    size, quote, bits = constant.partition("'")
+    return bits if quote else f"{int(size) % (1 << 32):032b}"
 
 
 def _two_signals(text: str) -> tuple[str, str]:
@@ -177,10 +183,9 @@ def pieces(signal: str, widths: Mapping[str, int]) -> list[Piece]:
     """
     found: list[Piece] = []
     for name, high, low, size, constant, integer in reversed(_PIECE.findall(signal)):
-        if integer:  # of 32 bits, as Yosys writes them
-            found.append((f"{int(integer) % (1 << 32):032b}", 0, 32))
-        elif not name:
-            found.append((constant, 0, int(size)))
+        if not name:
+            bits = _bits(integer or f"{size}'{constant}")
+            found.append((bits, 0, len(bits)))
         elif high:
             first = int(low or high)
             found.append((name, first, int(high) - first + 1))
