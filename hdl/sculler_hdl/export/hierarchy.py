@@ -18,7 +18,6 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
-from sculler_hdl.export.reserved import RESERVED
 from sculler_hdl.export.rtlil_text import (
     Cell,
     Module,
@@ -26,11 +25,13 @@ from sculler_hdl.export.rtlil_text import (
     renamed,
 )
 from sculler_hdl.export.unread import without_unread
+from sculler_model.design import RESERVED_WORDS
 
 LONGEST = 64
 """Characters of a name."""
 
-_PLAIN_WORDS = {"input": "data_in", "output": "data_out", "before": "previous"}
+PLAIN_WORDS = {"input": "data_in", "output": "data_out", "before": "previous"}
+"""Other names for members of signatures that are reserved words."""
 
 
 def plain_modules(
@@ -41,8 +42,7 @@ def plain_modules(
     Args:
         modules: all of it, by name.
         top: the name of the top module, which keeps it and its ports' names.
-        kinds: what sort of part a module is, in words joined by underscores, by module; one that
-            is not told is a memory.
+        kinds: what sort of part a module is, in words joined by underscores, by module.
     """
     order = list(_parts_first(modules, top))
     without_unread(modules, order)
@@ -103,11 +103,11 @@ def _word(name: str) -> str:
     name = re.sub(r"\$\d+", "", name)
     name = re.sub(r"\[\d+:(\d+)\]$", r"_\1", name)  # a part, by its lowest bit
     head, dot, rest = name.partition(".")
-    name = _PLAIN_WORDS.get(head, head) + dot + rest
+    name = PLAIN_WORDS.get(head, head) + dot + rest
     name = re.sub(r"-(?=\d)", "m", name)
     name = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")
     name = name if name[:1].isalpha() else f"s{name}"
-    return f"{name}_s" if name.lower() in RESERVED else name
+    return f"{name}_s" if name.lower() in RESERVED_WORDS else name
 
 
 def _free(name: str, taken: set[str]) -> str:
@@ -188,14 +188,13 @@ def _named(
     taken: set[str] = {top[1:].lower()}
     names = {top: top}
     order = list(reversed(list(modules)))
-    kind = {name: kinds.get(name, "memory") for name in order}
-    many = Counter(kind[name] for name in order if uses[name] > 1)
+    many = Counter(kinds[name] for name in order if uses[name] > 1)
     for name in order:
         if name == top:
             continue
         own = name[1:].removeprefix(f"{top[1:]}.")
         if uses[name] > 1:
-            own = kind[name] + "_1" * (many[kind[name]] > 1)
+            own = kinds[name] + "_1" * (many[kinds[name]] > 1)
         names[name] = "\\" + _numbered(_word(f"{top[1:]}_{own}"), taken)
     found = {}
     for old in order:

@@ -12,6 +12,7 @@ from amaranth import Elaboratable
 from amaranth.hdl import Fragment
 
 from sculler_hdl.core import Core
+from sculler_hdl.export.hierarchy import PLAIN_WORDS
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class Part:
     Attributes:
         kind: its class, in small letters and underscores.
         members: names in its signature.
-        note: what it is for, a paragraph a line; empty where that is not told.
+        note: what it is for, lines of ASCII; none where that is not told.
     """
 
     kind: str
@@ -70,12 +71,26 @@ def _part(component: object) -> Part:
     kind = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", type(component).__name__).lower()
     signature = getattr(component, "signature", None)
     members = frozenset() if signature is None else frozenset(signature.members)
-    return Part(kind, members, _note(inspect.getdoc(type(component)) or ""))
+    note = _note(inspect.getdoc(type(component)) or "")
+    latency = getattr(component, "latency", getattr(getattr(component, "plan", None), "latency", 0))
+    if isinstance(latency, int) and latency:
+        note = (*note, "", f"Latency here: {latency} clocks.")
+    return Part(kind, members, note)
+
+
+_ASCII = {
+    **dict.fromkeys(map(ord, "─┬┴┼├┤└┘┐┌╴╶"), "-"),
+    **{ord("│"): "|", ord("▶"): ">", ord("◀"): "<", ord("▲"): "^", ord("▼"): "v"},
+    **{ord("·"): "*", ord("×"): "x", ord("Δ"): "d", ord("α"): "alpha", ord("ν"): "nu"},
+    **{ord("θ"): "theta", ord("υ"): "upsilon", ord("Σ"): "sum", ord("—"): "-", ord("–"): "-"},
+}
+"""For the tools that read nothing else, even in comments."""
 
 
 def _note(text: str) -> tuple[str, ...]:
-    """The paragraphs of a docstring before those on Python's arguments."""
+    """A docstring up to what is about Python; signals by their names in the Verilog text."""
     told = re.split(
         r"^(?:Args|Attributes|Members|Raises|Ports[^\n]*):$", text, maxsplit=1, flags=re.M
     )
-    return tuple(told[0].strip().splitlines())
+    named = re.sub(r"`(\w+)`", lambda word: PLAIN_WORDS.get(word[1], word[1]), told[0])
+    return tuple(named.translate(_ASCII).strip().splitlines())

@@ -21,9 +21,9 @@ def without_unread(modules: Mapping[str, Module], order: list[str]) -> None:
         modules: all modules.
         order: their names, each after those it is made of; the last one's ports stay.
     """
-    _without_unread_bits(modules, order)
-    _without_unread_outputs(modules, order)
-    _without_unread_bits(modules, order)
+    for _ in range(2):  # what is unread in one module may have been all that read another's
+        _without_unread_outputs(modules, order)
+        _without_unread_bits(modules, order)
 
 
 def _without_unread_bits(modules: Mapping[str, Module], order: list[str]) -> None:

@@ -22,7 +22,7 @@ from amaranth.back import rtlil
 from sculler_hdl.core import Core, build_core
 from sculler_hdl.export.hierarchy import plain_modules
 from sculler_hdl.export.manifest import Manifest, make_manifest, module_ports
-from sculler_hdl.export.parts import Elaborated
+from sculler_hdl.export.parts import Elaborated, Part
 from sculler_hdl.export.port_names import with_signature_names
 from sculler_hdl.export.rtlil_text import read_modules
 from sculler_hdl.export.rtlil_widths import equal_widths
@@ -72,8 +72,12 @@ def _modules(core: Core, ports: Sequence[str]) -> list[str]:
     """The text of each module, the core's first."""
     name = core.design.name
     elaborated = Elaborated(core)
-    parts = {f"\\{path}": part for path, part in elaborated.parts(name).items()}
     text = rtlil.convert(elaborated, name=name, emit_src=False)
+    places = elaborated.parts(name)
+    parts = {  # where a signal has a part's name, Amaranth adds a number to that of the part
+        module: places.get(re.sub(r"\$\d+", "", module[1:]), Part("memory", frozenset(), ()))
+        for module in re.findall(r"^module (\S+)$", text, re.M)[1:]
+    }
     text = with_signature_names(text, {path: part.members for path, part in parts.items()})
     kinds = {path: part.kind for path, part in parts.items()}
     plain, first = plain_modules(read_modules(_yosys(_PREPARE, text, name)), f"\\{name}", kinds)
@@ -84,8 +88,7 @@ def _modules(core: Core, ports: Sequence[str]) -> list[str]:
         if each == f"\\{name}":
             found.append(tidy(written[name], ports))
         else:
-            note = parts[first[each]].note if first[each] in parts else ()
-            found.append(tidy(written[each[1:]], note=note))
+            found.append(tidy(written[each[1:]], note=parts[first[each]].note))
     return found
 
 
