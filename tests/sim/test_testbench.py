@@ -98,7 +98,7 @@ def test_a_core_that_breaks_the_handshake_fails(icarus, tmp_path, port, level, e
     commands = bench_of(design, tmp_path)
     core = tmp_path / f"{design.name}.v"
     head, ports, body = core.read_text().partition("\n);\n")
-    body, changed = re.subn(rf"\b{port}\b", "as_it_was", body.partition("endmodule")[0])
+    body, changed = re.subn(rf"(?<!\.)\b{port}\b", "as_it_was", body.partition("endmodule")[0])
     rest = core.read_text().partition("endmodule")[2]
     assert changed
     broken = f"  wire as_it_was;\n  assign {port} = 1'b{level};\n{body}endmodule{rest}"

@@ -159,7 +159,7 @@ def _renamed(
             new = "\\" + _free(_word(name[1:]), taken)
         else:
             number += 1
-            new = f"$c{number}"
+            new = "\\" + _free(f"c{number}", taken)  # that of the function, if it becomes one
         there = ports.get(cell.kind)
         connections = {
             port if there is None else there[port]: changed(signal)

@@ -70,7 +70,7 @@ def generate(design: Design) -> Generated:
 
 def _modules(core: Core, ports: Sequence[str]) -> list[str]:
     """The text of each module, the core's first."""
-    name = core.design.name
+    name, initial = core.design.name, core.design.has_initial_values
     elaborated = Elaborated(core)
     text = rtlil.convert(elaborated, name=name, emit_src=False)
     places = elaborated.parts(name)
@@ -86,9 +86,9 @@ def _modules(core: Core, ports: Sequence[str]) -> list[str]:
     found = []
     for each in plain:
         if each == f"\\{name}":
-            found.append(tidy(written[name], ports))
+            found.append(tidy(written[name], ports, initial=initial))
         else:
-            found.append(tidy(written[each[1:]], note=parts[first[each]].note))
+            found.append(tidy(written[each[1:]], note=parts[first[each]].note, initial=initial))
     return found
 
 
@@ -151,6 +151,7 @@ def _header(design: Design, timing: Timing, ports: Sequence[Port]) -> str:
         f"{hardware.core} core, target {hardware.target};"
         f" {rate} clocks per minor interval of {algorithm.samples} samples;"
         f" result_valid {timing.latency} clocks after a major interval's last sample",
+        *([] if design.has_initial_values else ["no initial values: reset it before use"]),
         f"design SHA-256 {design.digest}",
         "",
         "Signed ports are two's complement.",

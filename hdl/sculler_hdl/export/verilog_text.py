@@ -24,13 +24,16 @@ def read_verilog(text: str) -> dict[str, str]:
     return {found["name"]: found[0] for found in _MODULE.finditer(text)}
 
 
-def tidy(module: str, ports: Sequence[str] = (), note: Sequence[str] = ()) -> str:
+def tidy(
+    module: str, ports: Sequence[str] = (), note: Sequence[str] = (), *, initial: bool = True
+) -> str:
     """A module with its ports in its head.
 
     Args:
         module: as `read_verilog` gives it.
         ports: order of the ports; those not told follow as they stand, clock and reset first.
         note: lines of a comment above it.
+        initial: whether registers and memories get their initial values.
     """
     found = _MODULE.fullmatch(module)
     assert found is not None, "no module"
@@ -58,8 +61,11 @@ def tidy(module: str, ports: Sequence[str] = (), note: Sequence[str] = ()) -> st
             registers.append(f"  (* no_rw_check *) reg {width}{name}{declared['words']};")
         else:
             (registers if kind == "reg" else wires).append(f"  {kind} {width}{name};")
-        if declared["init"]:
+        if declared["init"] and initial:
             starts.append(f"  initial {name} = {declared['init']};")
+    body = "\n".join(rest)
+    if not initial:
+        body = re.sub(r"^  initial begin\n.*?^  end\n", "", body, flags=re.M | re.S)
     listed = ",\n".join(f"  {heads[port]}" for port in order)
     lines = [*(f"// {line}".rstrip() for line in note), f"module {found['name']} (", listed, ");"]
-    return "\n".join([*lines, *registers, *wires, *starts, *rest, "endmodule", ""])
+    return "\n".join([*lines, *registers, *wires, *starts, body, "endmodule", ""])
