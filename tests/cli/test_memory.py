@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from sculler.formats import history
-from sculler.formats import log as logs
+from sculler.formats import history, lines
 from sculler.formats import truth as truth_file
 from sculler.formats import vectors as vectors_file
 from sculler_model import motion
@@ -31,7 +30,7 @@ GROWTH = 200e3
 def _small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Many blocks in little time, and no compiler, whose memory would hide theirs."""
     monkeypatch.setattr(motion.sampling, "CHUNK", 1 << 11)
-    monkeypatch.setattr(logs, "BLOCK_BYTES", 1 << 13)
+    monkeypatch.setattr(lines, "BLOCK_BYTES", 1 << 13)
     monkeypatch.setattr(plausibility, "BLOCK", 1 << 9)
     monkeypatch.setattr(truth_file, "BLOCK", 500)
     monkeypatch.setattr(vectors_file.read_vectors, "__defaults__", (None, 500))

@@ -24,7 +24,7 @@ from sculler_model.design import (
     STATUS_SHORT_HISTORY,
     Design,
 )
-from sculler_model.fast import FastModel, VectorBlock, component_dtype
+from sculler_model.fast import FastModel, VectorBlock
 from sculler_model.golden import GoldenModel, Sample
 from sculler_model.samples import Plausibility, end_after_stamp, in_words
 from sculler_sim.engine import simulate
@@ -284,7 +284,7 @@ def _write(
     """
     results = 0
     marked = dict.fromkeys((STATUS_SHORT_HISTORY, STATUS_FAULT, STATUS_RAIL, STATUS_LOST), 0)
-    with VectorsWriter(output, design.columns, times) as writer:
+    with VectorsWriter(output, design.columns, times, design) as writer:
         for block in blocks:
             writer.write(block)
             results += len(block)
@@ -299,7 +299,7 @@ class _Reference:
 
     def __init__(self, design: Design) -> None:
         self._model = GoldenModel(design)
-        self._dtype, self._components = component_dtype(design), len(design.components)
+        self._design = design
 
     def reset(self) -> None:
         self._model.reset()
@@ -310,6 +310,4 @@ class _Reference:
             ((gx, gy, gz), (ax, ay, az), fault)
             for (gx, gy, gz, ax, ay, az), fault in zip(counts.tolist(), flags, strict=True)
         )
-        return VectorBlock.from_results(
-            list(self._model.run(samples)), self._dtype, self._components
-        )
+        return VectorBlock.from_results(self._model.run(samples), self._design)
