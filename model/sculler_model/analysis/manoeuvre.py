@@ -54,14 +54,12 @@ class Manoeuvre:
         """ω (N, 3), rad/s, at times t (N,), s."""
         u = t / self.duration
         inside = ((u >= 0) & (u <= 1))[:, None]
-        values: Array = np.where(inside, polyval(u, self._powers[0]).T, 0.0)
-        return values
+        return np.where(inside, np.asarray(polyval(u, self._powers[0]), np.float64).T, 0.0)
 
     def angle(self, t: Array) -> Array:
         """Integral of ω from 0 to t, (N, 3), rad."""
         u = np.clip(t / self.duration, 0.0, 1.0)
-        turned: Array = self.duration * polyval(u, self._powers[1]).T
-        return turned
+        return self.duration * np.asarray(polyval(u, self._powers[1]), np.float64).T
 
     @cached_property
     def _powers(self) -> tuple[Array, Array]:
