@@ -20,6 +20,7 @@ def exact(value: Fraction | int) -> Decimal:
     return Decimal(value.numerator) / Decimal(value.denominator)
 
 
+@lru_cache(maxsize=4096)
 def rational(value: float) -> Fraction:
     """The shortest decimal number that reads back as the float: 0.1 is one tenth."""
     return Fraction(repr(value))
