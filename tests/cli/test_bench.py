@@ -60,6 +60,7 @@ def report(
         return out
 
     monkeypatch.setattr(bench, "tasks", short)
+    monkeypatch.setattr(bench, "SUBJECTS", {})
     return report
 
 

@@ -7,6 +7,7 @@ import pytest
 from amaranth import ClockDomain, Module
 from amaranth.sim import Simulator
 
+import amaranth_runs
 from position_designs import HIGH_RESOLUTION
 from sculler_hdl import counter_ports, timing
 from sculler_hdl.compact import core as compact_core
@@ -64,10 +65,7 @@ class Watched:
 
     def run(self, clocks):
         self.clocks = clocks
-        simulator = Simulator(self.top)
-        simulator.add_clock(1e-6)
-        simulator.add_testbench(self.drive)
-        simulator.run()
+        amaranth_runs.drive(self.top, self.drive)
         return self
 
 

@@ -5,8 +5,8 @@ import re
 
 import pytest
 from amaranth.hdl import ClockDomain, Module
-from amaranth.sim import Simulator
 
+from amaranth_runs import drive
 from position_designs import HIGH_RESOLUTION
 from sculler_hdl import counter_ports, generate, timing
 from sculler_hdl.pipelined.core import PipelinedCore
@@ -229,9 +229,6 @@ def test_ports_on_every_clock(name, hardware):
             elif offered and not calm and rng.random() < 0.2:
                 offered = None  # withdrawn, for a clock at least
 
-    simulator = Simulator(top)
-    simulator.add_clock(1e-6)
-    simulator.add_testbench(bench)
-    simulator.run()
+    drive(top, bench)
     assert results >= 3
     assert lost
