@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from sculler.checks.breaks import Break, BreakFinder, Policy
 from sculler.formats.log import read_log
+from sculler.formats.tables import counting
 from sculler.formats.vectors import VectorsWriter
 from sculler.runs.engines import SimulationEngine
 from sculler.words import Advance, plural
@@ -252,8 +253,9 @@ class _Source:
         """What the run did, once all samples are through."""
         left_out = self._left_out + self._phase
         found = self._plausibility.finish()
+        unit, first = counting(self._log)
         implausible = in_words(
-            found, self._plausibility.counts, lambda sample: f"line {sample + 2}"
+            found, self._plausibility.counts, lambda sample: f"{unit} {sample + first}"
         )
         return Summary(
             self._design,
