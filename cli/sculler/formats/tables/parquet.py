@@ -65,7 +65,7 @@ class ParquetReader:
         pa = _pyarrow(path, "reading")
         self._path = path
         with _damage_told(path):
-            self._file = pa.parquet.ParquetFile(path, buffer_size=_BUFFER)
+            self._file = pa.parquet.ParquetFile(path, buffer_size=_BUFFER, pre_buffer=False)
             self.names: Sequence[str] = list(self._file.schema_arrow.names)
             self.rows: int = self._file.metadata.num_rows
 
