@@ -131,7 +131,7 @@ def _plain(folder: Path, log: Path) -> tuple[str | None, Run | None]:
 
 
 def _absent(name: str) -> str | None:
-    if compiled.kernels(compiled.WORTH_COMPILING) is None:
+    if compiled.loaded() is None:
         return "numba is missing, so ours is not compiled"
     return None if find_spec(name) is not None else f"{name} is missing"
 

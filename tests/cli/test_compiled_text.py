@@ -33,7 +33,7 @@ FUNCTION_SCOPED = settings(
 
 @pytest.fixture(scope="module")
 def loops() -> compiled.Kernels:
-    found = compiled.kernels(compiled.WORTH_COMPILING)
+    found = compiled.loaded()
     assert found is not None
     return found
 
@@ -105,7 +105,10 @@ def test_what_is_not_plain_is_left_to_others(loops: compiled.Kernels, cell: str)
 
 @pytest.fixture
 def by_loops(monkeypatch: pytest.MonkeyPatch) -> Callable[[bool], None]:
-    return lambda on: monkeypatch.setattr(compiled, "WORTH_COMPILING", 0 if on else 1 << 62)
+    there = compiled.loaded()
+    monkeypatch.setattr(compiled, "WORTH_READING", 0)
+    monkeypatch.setattr(compiled, "WORTH_WRITING", 0)
+    return lambda on: monkeypatch.setattr(compiled, "loaded", lambda: there if on else None)
 
 
 def outcome(read: Callable[[], Any]) -> Any:

@@ -72,7 +72,7 @@ class HistoryWriter:
     def _printed(self, table: NDArray[np.float64]) -> memoryview | None:
         """Rows by compiled loops; None where they are not worth it, or a number is not finite."""
         room = table.size * FLOAT_BYTES
-        compiled = kernels(self._written + room)
+        compiled = kernels(self._written + room, writing=True)
         if compiled is None:
             return None
         out = np.empty(room, np.uint8)

@@ -270,7 +270,7 @@ class TextLogWriter:
         """The compiled path; None where it is not worth it, or some time needs an exponent."""
         fine = np.spacing(abs(origin)) < 1e-9
         room = whole.size * WHOLE_BYTES + (0 if times is None else len(times) * FLOAT_BYTES)
-        compiled = kernels(self._written + room)
+        compiled = kernels(self._written + room, writing=True)
         stamps = np.zeros(0) if times is None else times + origin if origin else times
         small = (np.abs(stamps) < 1e-4) & (stamps != 0) | (np.abs(stamps) >= 1e16)
         if compiled is None or not fine or small.any():
