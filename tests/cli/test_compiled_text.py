@@ -219,8 +219,8 @@ def test_states_and_truths_are_the_same(tmp_path: Path, by_loops: Callable[[bool
         assert np.array_equal(one, other)
 
 
-@pytest.mark.parametrize("origin", [0.0, 1000.0, 1403636579.0])
-@pytest.mark.parametrize("first", [0.0, 2.5e-5, 0.0005, 1e15])
+@pytest.mark.parametrize("origin", [0.0, 1000.0, 1403636579.0, -1403636579.0])
+@pytest.mark.parametrize("first", [0.0, 2.5e-5, 0.0005, 1 / 3, 2.0**-10 + 2.0**-31, 1e15])
 def test_logs_with_stamps_are_written_alike(
     tmp_path: Path, by_loops: Callable[[bool], None], origin: float, first: float
 ) -> None:

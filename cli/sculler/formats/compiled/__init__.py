@@ -37,6 +37,7 @@ class Kernels(NamedTuple):
     scan_floats: Callable[..., int]
     longest: Callable[..., int]
     print_whole: Callable[..., int]
+    print_stamped: Callable[..., int]
     print_wide: Callable[..., int]
     print_floats: Callable[..., int]
     upper: decimals.Words
