@@ -16,6 +16,7 @@ from sculler.formats.history import HistoryWriter
 from sculler.formats.log import LogWriter, read_log
 from sculler.formats.truth import read_truth
 from sculler.formats.vectors import VectorsWriter, read_vectors
+from sculler.readers.text import Column, number_rows, open_text
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import FastModel
@@ -69,7 +70,8 @@ def test_floats_are_printed_as_repr_does(loops: compiled.Kernels) -> None:
 def scanned(loops: compiled.Kernels, cells: list[str]) -> np.ndarray | None:
     text = np.frombuffer("".join(cell + "\n" for cell in cells).encode(), np.uint8)
     bits = np.empty((len(cells), 1), np.uint64)
-    rows = loops.scan_floats(text, np.zeros(1, np.int64), loops.lower, bits)
+    nothing = np.empty((0, 0), np.int64)
+    rows = loops.scan_numbers(text, ord(","), np.zeros(1, np.int64), loops.lower, bits, nothing)
     return bits[:, 0].view(np.float64) if rows == len(cells) else None
 
 
@@ -94,7 +96,7 @@ def test_floats_are_read_as_float_does(loops: compiled.Kernels) -> None:
 @pytest.mark.parametrize(
     "cell",
     [
-        *("", "-", ".", "1.", ".5", "+1", " 1", "1 ", "1e", "1e+", "1..2", "1.2.3", "--1", "0x1"),
+        *("", " ", "-", ".", "1.", ".5", "+1", "1 1", "1e", "1e+", "1..2", "1.2.3", "--1", "0x1"),
         *("nan", "inf", "1_0", "1,2", "1E5", "\u0663", "12345678901234567890", "1e99999"),
         *("1e400", "3e-320", "1.7e308"),  # no float of full precision
     ],
@@ -202,6 +204,49 @@ def test_any_vectors_are_read_or_refused_alike(
             by_loops(on)
             found.append(outcome(lambda reader=reader: read(reader)))  # type: ignore[misc]
         assert found[0] == found[1]
+
+
+FOREIGN = "\n".join(
+    [
+        '1403636579758555392,0.25,-1e-3,"a",7.5',
+        "1403636579763555392, 0.5 ,12345.678901234567,b,8",
+        "-17,3,4,,0.000125",
+        "",
+    ]
+)
+
+
+@FUNCTION_SCOPED
+@given(
+    changes=st.lists(
+        st.tuples(st.integers(0, len(FOREIGN)), BYTES | st.sampled_from([*b'#";']), st.booleans()),
+        max_size=3,
+    ),
+    quoted=st.booleans(),
+    exact=st.booleans(),
+)
+def test_any_foreign_text_is_read_or_refused_alike(
+    tmp_path: Path,
+    by_loops: Callable[[bool], None],
+    changes: list[tuple[int, int, bool]],
+    quoted: bool,
+    exact: bool,
+) -> None:
+    path = tmp_path / "foreign.csv"
+    path.write_bytes(changed(FOREIGN if quoted else FOREIGN.replace('"', ""), changes))
+    columns = [Column("x", 1), Column("y", 2), Column("t", 4)]
+
+    def read() -> Any:
+        with open_text(path) as file:
+            told = columns[2] if exact else None
+            whole = [Column("n", 0)]
+            yield from number_rows(file, path, 1, columns, ",", lambda _: None, whole, exact=told)
+
+    found = []
+    for on in (False, True):
+        by_loops(on)
+        found.append(outcome(read))
+    assert found[0] == found[1]
 
 
 def test_states_and_truths_are_the_same(tmp_path: Path, by_loops: Callable[[bool], None]) -> None:

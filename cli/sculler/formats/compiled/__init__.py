@@ -34,7 +34,7 @@ class Kernels(NamedTuple):
     scan_log: Callable[..., int]
     scan_whole: Callable[..., int]
     scan_wide: Callable[..., int]
-    scan_floats: Callable[..., int]
+    scan_numbers: Callable[..., int]
     longest: Callable[..., int]
     print_whole: Callable[..., int]
     print_stamped: Callable[..., int]

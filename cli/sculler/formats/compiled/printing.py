@@ -187,17 +187,14 @@ def print_whole(whole: Whole, times: Floats, powers: Words, out: Bytes) -> int:
 
 
 def print_stamped(whole: Whole, nanoseconds: Whole, out: Bytes) -> int:
-    """Rows of whole numbers (R, C), and (R,) nanoseconds as seconds, without zeros at the end."""
+    """Rows of whole numbers (R, C), and (R,) nanoseconds, not negative, as seconds."""
     at = 0
     for row in range(len(whole)):
         for column in range(whole.shape[1]):
             at = put_whole(out, at, whole[row, column])
             out[at] = 44
             at += 1
-        size = np.uint64(abs(nanoseconds[row]))
-        if nanoseconds[row] < 0:
-            out[at] = 45
-            at += 1
+        size = np.uint64(nanoseconds[row])
         seconds = size // _NINE_DIGITS
         at = put_digits(out, at, seconds, digits_of(seconds))
         out[at] = 46
