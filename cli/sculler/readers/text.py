@@ -141,11 +141,7 @@ def number_rows(
     line, rows, size = first_line, 0, path.stat().st_size
     while lines := list(islice(file, _CHUNK_ROWS)):
         advance(sum(map(len, lines)))
-        if not lines[-1].endswith("\n"):
-            raise InputError(
-                f"{path}: line {line + len(lines) - 1}: the last line has no line end, so the file"
-                " seems cut short; write it again (or end the line, if it is whole)"
-            )
+        _require_end(lines, path, line)
         if decimal == ",":
             _require_no_point(lines, path, line, (*columns, *whole), delimiter)
             lines = [text.replace(",", ".") for text in lines]
@@ -171,6 +167,15 @@ def number_rows(
         line += len(lines)
     if not rows:
         raise InputError(f"{path}: the log has no samples, give some")
+
+
+def _require_end(lines: list[str], path: Path, first_line: int) -> None:
+    """Refuse a last line without an end."""
+    if not lines[-1].endswith("\n"):
+        raise InputError(
+            f"{path}: line {first_line + len(lines) - 1}: the last line has no line end, so the"
+            " file seems cut short; write it again (or end the line, if it is whole)"
+        )
 
 
 def _scanned(
