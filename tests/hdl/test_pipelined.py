@@ -9,7 +9,7 @@ from amaranth.hdl import ClockDomain, Module
 from amaranth_runs import drive
 from bench_files import modules_of, places
 from position_designs import HIGH_RESOLUTION
-from sculler_hdl import counter_ports, generate, timing
+from sculler_hdl import counter_ports, timing
 from sculler_hdl.pipelined.core import PipelinedCore
 from sculler_hdl.plan.cross_array import FOLDINGS
 from sculler_hdl.plan.pipelined import LATENCY_GOAL, POSITION_LATENCY_GOAL, plan_pipelined
@@ -17,6 +17,7 @@ from sculler_hdl.plan.schedule import launch_gap
 from sculler_model.design import AXES
 from sculler_model.errors import InputError
 from sculler_model.golden import CycleModel, Ports, clocks_per_major, result_ports
+from sculler_sim.engines.verilator_build import emitted
 from strategies import DESIGNS, make_design, samples_of, with_hardware
 from tiers import few_of
 
@@ -133,12 +134,12 @@ def test_room_for_a_second_result_buys_time_for_additions():
 )
 def test_every_block_is_named_once_where_it_stands(name):
     design = with_hardware(DESIGNS[name], target="ecp5")
-    generated = generate(design)
-    groups = generated.manifest.block_groups
-    modules = modules_of(generated.verilog)
+    plan = plan_pipelined(design)
+    groups = plan.schedule.block_groups
+    modules = modules_of(emitted(design)[f"{design.name}.v"])
     instances = [path for kind, path in places(design.name, modules) if kind == "MULT18X18D"]
     assert sorted(f"{block}.dsp" for group in groups for block in group) == sorted(instances)
-    assert len(instances) == generated.manifest.resources["multipliers"]
+    assert len(instances) == plan.resources["multipliers"]
     for group in groups:
         assert len({block.partition(".")[0] for block in group}) == 1
 
@@ -146,7 +147,7 @@ def test_every_block_is_named_once_where_it_stands(name):
 def test_blocks_of_a_long_array_are_grouped_by_total():
     """32 bits: A x r and B x s, then what the between array has, then A x s."""
     design = with_hardware(DESIGNS["wide_5p0"], target="ecp5")
-    groups = generate(design).manifest.block_groups
+    groups = plan_pipelined(design).schedule.block_groups
     found = [{re.match(r"(\w+\.unit\d)_", block)[1] for block in group} for group in groups]
     assert found == [
         {"cross_within.unit1", "cross_within.unit2"},

@@ -21,7 +21,7 @@ from sculler_sim.place import netlist, synthesis
 from sculler_sim.place.netlist import check_netlist
 from sculler_sim.place.tools import YOSYS
 from strategies import DESIGNS, with_hardware
-from tiers import few_of, tiers
+from tiers import tiers
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -150,7 +150,8 @@ def test_ice40_cores_pass_their_bench_with_the_librarys_block(design, tmp_path):
 
 
 @pytest.mark.usefixtures("icarus")
-@pytest.mark.parametrize("core", few_of(["pipelined", "compact"], ["compact"]))
+@pytest.mark.deep
+@pytest.mark.parametrize("core", ["pipelined", "compact"])
 def test_xilinx_cores_give_the_golden_vectors_with_the_librarys_cells(core, monkeypatch):
     """Memories are made of look-up tables, for block memories have no behaviour there."""
     design = with_hardware(DESIGNS["smallest"], core=core, target="xilinx")
