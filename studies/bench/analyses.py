@@ -12,13 +12,15 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from sculler_model.design import PRESETS
 from sculler_model.errors import InputError
 from studies.bench import before
 from studies.bench.contest import Contest
 
-LEVELS, TRIALS = 4, 50
-"""LSBs of a Monte Carlo beside the design's own, and trials at each."""
+LEVELS, TRIALS = 2, 600
+"""LSBs of a Monte Carlo beside the design's own, the finest first, and trials at each."""
+
+DESIGNS = ("stim300", "hg4930")
+"""Of a Monte Carlo: five minor intervals in a major one, and, the unfavourable case, one."""
 
 GOAL_TRIALS, GOAL_STUDIES = 20.0, 3.0
 
@@ -118,7 +120,7 @@ def contests(folder: Path) -> list[Contest]:
     return [
         *(
             contest(f"analyze quantisation {name}", name, trials, "trials", GOAL_TRIALS)
-            for name in PRESETS
+            for name in DESIGNS
         ),
         *(
             contest(name if "advise" in name else f"analyze {name}", name, 1, "studies", goal)

@@ -6,13 +6,14 @@ The log is an hour at 2 kHz of the motion `demo`, whose first 100 seconds repeat
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 
 from sculler.formats import compiled
+from sculler.formats.history import HistoryWriter, rows
 from sculler.formats.log import LogWriter, read_log
 from sculler.runs.counts import model_log
 from sculler_model.design import Design
@@ -28,10 +29,11 @@ HOUR = 7_200_000
 
 _PLAIN = Path(__file__).parent / "plain" / "csv_vectors.c"
 _REPEATED = 200_000
+_STATES = 10_000  # written together
 
 
 def contests(folder: Path, samples: int = HOUR) -> list[Contest]:
-    """Reading a log, and `model` from file to file.
+    """Reading a log, `model` from file to file, and writing states.
 
     Args:
         folder: for the files.
@@ -43,42 +45,65 @@ def contests(folder: Path, samples: int = HOUR) -> list[Contest]:
     design = Design.preset(DESIGN)
     kinds = ["csv"] + ["parquet"] * (find_spec("pyarrow") is not None)
     logs = {kind: _log(folder / f"log.{kind}", design, samples) for kind in kinds}
+    held = []
+    for package, kind, goal in (
+        ("polars", "csv", 0.7),
+        ("pyarrow", "csv", 0.7),
+        ("pyarrow", "parquet", None),
+    ):
+        if kind in kinds:
+            name = f"reading a log and checking it, {kind}"
+            theirs = _reader(package, kind, logs[kind])
+            ours = _reading(logs[kind], design)
+            against = f"{package}, which reads the numbers"
+            held.append(
+                Contest(name, against, samples, "samples", ours, theirs, goal, _absent(package))
+            )
     missing, plain = _plain(folder, logs["csv"])
-
-    def read(kind: str) -> Run:
-        return lambda: sum(len(chunk.counts) for chunk in read_log(logs[kind], design))
-
-    def model(kind: str) -> Run:
-        def run() -> object:
-            return model_log(design, logs[kind], folder / f"ours.{kind}", "fast", _nothing)
-
-        return run
-
+    for kind, goal in (("csv", 0.4), ("parquet", 1.0)):
+        if kind in kinds:
+            name, ours = f"model, {kind} to {kind}", _modelling(logs[kind], design, folder)
+            held.append(
+                Contest(name, "plain C, CSV to CSV", samples, "samples", ours, plain, goal, missing)
+            )
     if plain is not None:
-        model("csv")()
+        _modelling(logs["csv"], design, folder)()
         plain()
         if (folder / "ours.csv").read_bytes() != (folder / "theirs.csv").read_bytes():
             raise InputError(f"{_PLAIN}: writes other bytes than sculler model")
-    held = [
-        Contest(f"reading a log, CSV, all checks; {told}", name, samples, "samples", read("csv"),
-                _reader(name, logs["csv"]), 0.7, _absent(name))
-        for name, told in (("polars", "polars reads the numbers"), ("pyarrow", "pyarrow does"))
-    ]  # fmt: skip
-    held += [
-        Contest(
-            f"model, {kind} to {kind}",
-            "plain C, CSV to CSV",
-            samples,
-            "samples",
-            model(kind),
-            plain,
-            goal,
-            missing,
-        )
-        for kind, goal in (("csv", 0.4), ("parquet", 1.0))
-        if kind in kinds
-    ]
-    return held
+    return [*held, _states(folder, samples // design.samples_per_major)]
+
+
+def _reading(log: Path, design: Design) -> Run:
+    return lambda: sum(len(chunk.counts) for chunk in read_log(log, design))
+
+
+def _modelling(log: Path, design: Design, folder: Path) -> Run:
+    return lambda: model_log(design, log, folder / f"ours{log.suffix}", "fast", _nothing)
+
+
+def _states(folder: Path, count: int) -> Contest:
+    """Writing states as CSV, every float with the fewest digits that are read as it again."""
+    states = demo_motion().state(np.arange(count) / 100)
+
+    def ours() -> None:
+        with HistoryWriter(folder / "states.csv") as writer:
+            for first in range(0, count, _STATES):
+                writer.write(rows(states, slice(first, first + _STATES)))
+
+    theirs = None
+    if find_spec("polars") is not None:
+        import polars
+
+        table = polars.read_csv(_written(folder, ours))
+        theirs = partial(table.write_csv, folder / "theirs.csv")
+    name = "writing states, csv"
+    return Contest(name, "polars", count, "states", ours, theirs, None, _absent("polars"))
+
+
+def _written(folder: Path, write: Run) -> Path:
+    write()
+    return folder / "states.csv"
 
 
 def _nothing(_: int) -> None:
@@ -106,19 +131,19 @@ def _plain(folder: Path, log: Path) -> tuple[str | None, Run | None]:
 
 
 def _absent(name: str) -> str | None:
-    if compiled.kernels(compiled.WORTH_COMPILING) is None:
+    if compiled.loaded() is None:
         return "numba is missing, so ours is not compiled"
     return None if find_spec(name) is not None else f"{name} is missing"
 
 
-def _reader(name: str, path: Path) -> Callable[[], object] | None:
-    """How another package reads a CSV."""
-    if find_spec(name) is None:
+def _reader(package: str, kind: str, path: Path) -> Run | None:
+    """How another package reads a log."""
+    if find_spec(package) is None:
         return None
-    if name == "polars":
+    if package == "polars":
         import polars
 
         return lambda: polars.read_csv(path)
-    from pyarrow import csv
+    from pyarrow import csv, parquet
 
-    return lambda: csv.read_csv(path)
+    return lambda: csv.read_csv(path) if kind == "csv" else parquet.read_table(path)

@@ -40,7 +40,10 @@ def _both_ways(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) 
     """Text read and written by numpy and Python, and by compiled loops."""
     if request.param:
         pytest.importorskip("numba")
-    monkeypatch.setattr(compiled, "WORTH_COMPILING", 0 if request.param else 1 << 62)
+        monkeypatch.setattr(compiled, "WORTH_READING", 0)
+        monkeypatch.setattr(compiled, "WORTH_WRITING", 0)
+    else:
+        monkeypatch.setattr(compiled, "loaded", lambda: None)
 
 
 def extremes(design: Design, rows: int = 40) -> VectorBlock:
@@ -453,6 +456,27 @@ def test_the_whole_chain(tmp_path: Path, run: Callable[..., Any], ending: str) -
     assert outcome.status == 0, outcome
     (third,) = read_log(again, None)
     assert np.array_equal(first.counts, third.counts)
+
+
+@pytest.mark.parametrize("ending", ["npz", "parquet"])
+def test_rows_are_counted_from_one(
+    tmp_path: Path, refused: Callable[..., str], run: Callable[..., Any], ending: str
+) -> None:
+    """Breaks and odd counts of a log, breaks of vectors: the row where a CSV has its line."""
+    counts = dict(zip(COUNTS, np.random.default_rng(1).integers(-500, 500, (6, 100)), strict=True))
+    counts["accel_z"][30] = 2**23 - 1
+    sequence = np.arange(100)
+    sequence[60:] += 5
+    log = save(tmp_path / f"imu.{ending}", counts | {"sequence": sequence})
+    line = refused("model", "stim300", log, "-o", tmp_path / "v.csv")
+    assert f"{log}: row 61: sequence goes from 59 to 65, 5 samples are missing" in line
+    out = tmp_path / f"v.{ending}"
+    done = run("model", "stim300", log, "-o", out, "--breaks", "split", "--json")
+    assert '"line": 61,' in done.out
+    assert "stands at its rail in 1 sample, first at row 31" in done.out
+    start = ("--lat", 48, "--lon", 11, "--height", 5, "-o", tmp_path / "nav.csv", "--no-plots")
+    line = refused("navigate", "stim300", out, *start)
+    assert f"{out}: row 4: major falls back from 2 to 0, the core was reset" in line
 
 
 @pytest.mark.parametrize("ending", ["npz", "parquet"])

@@ -7,6 +7,7 @@ import pytest
 from amaranth.hdl import ClockDomain, Module
 
 from amaranth_runs import drive
+from bench_files import modules_of, places
 from position_designs import HIGH_RESOLUTION
 from sculler_hdl import counter_ports, timing
 from sculler_hdl.pipelined.core import PipelinedCore
@@ -135,9 +136,9 @@ def test_every_block_is_named_once_where_it_stands(name):
     design = with_hardware(DESIGNS[name], target="ecp5")
     plan = plan_pipelined(design)
     groups = plan.schedule.block_groups
-    verilog = emitted(design)[f"{design.name}.v"]
-    instances = re.findall(r"MULT18X18D #\(.*?\) \\(\S+)", verilog, re.DOTALL)
-    assert sorted(f"{block}.block" for group in groups for block in group) == sorted(instances)
+    modules = modules_of(emitted(design)[f"{design.name}.v"])
+    instances = [path for kind, path in places(design.name, modules) if kind == "MULT18X18D"]
+    assert sorted(f"{block}.dsp" for group in groups for block in group) == sorted(instances)
     assert len(instances) == plan.resources["multipliers"]
     for group in groups:
         assert len({block.partition(".")[0] for block in group}) == 1
@@ -149,9 +150,9 @@ def test_blocks_of_a_long_array_are_grouped_by_total():
     groups = plan_pipelined(design).schedule.block_groups
     found = [{re.match(r"(\w+\.unit\d)_", block)[1] for block in group} for group in groups]
     assert found == [
-        {"within.unit1", "within.unit2"},
-        {"between.unit0", "between.unit1", "between.unit2"},
-        {"within.unit0"},
+        {"cross_within.unit1", "cross_within.unit2"},
+        {"cross_between.unit0", "cross_between.unit1", "cross_between.unit2"},
+        {"cross_within.unit0"},
     ]
     assert [len(group) for group in groups] == [24, 24, 12]
 

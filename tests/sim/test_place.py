@@ -96,7 +96,7 @@ def test_blocks_stand_where_the_plan_says(tools):
     cells = json.loads(fix_blocks(made.placed, made.top, groups, ECP5))["modules"][made.top][
         "cells"
     ]
-    places = [cells[f"{name}.block"]["attributes"]["BEL"] for group in groups for name in group]
+    places = [cells[f"{name}.dsp"]["attributes"]["BEL"] for group in groups for name in group]
     assert [places] == sites(ECP5, [18])
     assert sum("BEL" in cell["attributes"] for cell in cells.values()) == 18
 

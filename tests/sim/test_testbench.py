@@ -103,9 +103,12 @@ def test_a_core_that_breaks_the_handshake_fails(icarus, tmp_path, port, level, e
     design = DESIGNS["taylor_2p1"]
     commands = bench_of(design, tmp_path)
     core = tmp_path / f"{design.name}.v"
-    driver = rf"(?<!initial ){port} (<?=) [^;]*;"
-    text, changed = re.subn(driver, rf"{port} \1 1'b{level};", core.read_text())
-    assert changed == 1
+    head, ports, body = core.read_text().partition("\n);\n")
+    body, changed = re.subn(rf"(?<!\.)\b{port}\b", "as_it_was", body.partition("endmodule")[0])
+    rest = core.read_text().partition("endmodule")[2]
+    assert changed
+    broken = f"  wire as_it_was;\n  assign {port} = 1'b{level};\n{body}endmodule{rest}"
+    text = f"{head}{ports}{broken}"
     core.write_text(text)
     done = shell(commands["icarus"], tmp_path)
     assert re.match(rf"FAIL: clock \d+, {port}: {level}, expected {expected}\n", done.stdout), (

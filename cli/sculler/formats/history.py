@@ -72,7 +72,7 @@ class HistoryWriter:
     def _printed(self, table: NDArray[np.float64]) -> memoryview | None:
         """Rows by compiled loops; None where they are not worth it, or a number is not finite."""
         room = table.size * FLOAT_BYTES
-        compiled = kernels(self._written + room)
+        compiled = kernels(self._written + room, writing=True)
         if compiled is None:
             return None
         out = np.empty(room, np.uint8)
@@ -112,12 +112,12 @@ class Thinned:
         """Take the next states."""
         if not len(part):
             return
-        picked = _rows(part, slice(-self._seen % self._step, None, self._step))
+        picked = rows(part, slice(-self._seen % self._step, None, self._step))
         self._seen += len(part)
         self._kept = picked if self._kept is None else NavHistory.concatenate([self._kept, picked])
-        self._last = _rows(part, slice(len(part) - 1, None))
+        self._last = rows(part, slice(len(part) - 1, None))
         while len(self._kept) > self._most:
-            self._kept = _rows(self._kept, slice(None, None, 2))
+            self._kept = rows(self._kept, slice(None, None, 2))
             self._step *= 2
 
     def history(self) -> NavHistory:
@@ -133,13 +133,14 @@ class Thinned:
         return NavHistory.concatenate([self._kept, self._last])
 
 
-def _rows(history: NavHistory, rows: slice) -> NavHistory:
+def rows(history: NavHistory, part: slice) -> NavHistory:
+    """Some states of a history."""
     return NavHistory(
-        history.time[rows],
-        history.q[rows],
-        history.v[rows],
-        history.lat[rows],
-        history.lon[rows],
-        history.h[rows],
-        history.wander[rows],
+        history.time[part],
+        history.q[part],
+        history.v[part],
+        history.lat[part],
+        history.lon[part],
+        history.h[part],
+        history.wander[part],
     )

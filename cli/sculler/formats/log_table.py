@@ -23,7 +23,7 @@ from sculler.formats.log_columns import (
     require_columns,
     too_late,
 )
-from sculler.formats.log_text import decimals
+from sculler.formats.log_text import decimals, is_far
 from sculler.formats.tables import (
     Column,
     TableReader,
@@ -125,6 +125,6 @@ class LogTableWriter:
 
 def _stamps(times: NDArray[np.float64], origin: float) -> NDArray[np.float64]:
     """The floats that a reader of the CSV gets."""
-    if np.spacing(abs(origin)) < 1e-9:
+    if not is_far(origin):
         return times + origin
     return np.array([float(text) for text in decimals(times, origin)])

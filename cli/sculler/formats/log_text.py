@@ -267,18 +267,22 @@ class TextLogWriter:
     def _printed(
         self, whole: NDArray[np.int64], times: NDArray[np.float64] | None, origin: float
     ) -> memoryview | None:
-        """The compiled path; None where it is not worth it, or some time needs an exponent."""
-        fine = np.spacing(abs(origin)) < 1e-9
+        """By compiled loops; None where they are not worth it, or for some time not enough."""
         room = whole.size * WHOLE_BYTES + (0 if times is None else len(times) * FLOAT_BYTES)
-        compiled = kernels(self._written + room)
-        stamps = np.zeros(0) if times is None else times + origin if origin else times
-        small = (np.abs(stamps) < 1e-4) & (stamps != 0) | (np.abs(stamps) >= 1e16)
-        if compiled is None or not fine or small.any():
+        compiled = kernels(self._written + room, writing=True)
+        if compiled is None:
             return None
         out = np.empty(room, np.uint8)
         rows = np.ascontiguousarray(whole, np.int64)
-        size = compiled.print_whole(rows, np.ascontiguousarray(stamps), compiled.upper, out)
-        return None if size < 0 else out[:size].data
+        if times is not None and is_far(origin):
+            since = _nanoseconds(times, origin)
+            size = -1 if since is None else compiled.print_stamped(rows, since, out)
+            return None if size < 0 else out[:size].data
+        stamps = np.zeros(0) if times is None else times + origin
+        plain = (stamps == 0) | (np.abs(stamps) >= 1e-4) & (np.abs(stamps) < 1e16)
+        if not plain.all():  # `repr` would have an exponent
+            return None
+        return out[: compiled.print_whole(rows, stamps, compiled.upper, out)].data
 
     def close(self, *error: object) -> None:
         """Flush and close the file, be it whole or not."""
@@ -296,9 +300,29 @@ def _formatted(whole: NDArray[np.int64], times: NDArray[np.float64] | None, orig
     return ((row + "\n") * len(whole) % tuple(cells.ravel().tolist())).encode()
 
 
+def is_far(origin: float) -> bool:
+    """Whether floats at an origin are further apart than a nanosecond."""
+    return bool(np.spacing(abs(origin)) >= 1e-9)
+
+
+def _nanoseconds(times: NDArray[np.float64], origin: float) -> NDArray[np.int64] | None:
+    """Times from an origin in whole nanoseconds, rounded as decimals are; None if one is unsure.
+
+    The product is off by half a unit of its last place, so only near a half could the rounding of
+    the exact product be another.
+    """
+    product = times * 1e9
+    near = np.rint(product)
+    sure = np.abs(np.abs(product - near) - 0.5) > np.spacing(np.abs(product))
+    if not sure.all() or np.abs(times).max(initial=0) > 1e6 or abs(origin) > 9e9:
+        return None
+    whole: NDArray[np.int64] = near.astype(np.int64) + int(origin) * 10**9
+    return whole if (whole >= 0).all() else None
+
+
 def decimals(times: NDArray[np.float64], origin: float) -> list[str]:
     """Times from an origin, each to 1 ns at least."""
-    if np.spacing(abs(origin)) < 1e-9:
+    if not is_far(origin):
         return [_decimal(time) for time in (times + origin if origin else times).tolist()]
     whole, since = int(origin), [Decimal(f"{time:.9f}") for time in times.tolist()]
     texts = (f"{whole + time:f}".rstrip("0") for time in since)

@@ -250,7 +250,8 @@ class _Layout:
         places = np.full(self.width, -1, np.int64)
         places[self.places] = np.arange(len(self.places))
         bits = np.empty((rows, len(self.places)), np.uint64)
-        found = compiled.scan_floats(np.frombuffer(plain, np.uint8), places, compiled.lower, bits)
+        characters, none = np.frombuffer(plain, np.uint8), np.empty((0, 0), np.int64)
+        found = compiled.scan_numbers(characters, ord(","), places, compiled.lower, bits, none)
         return bits.view(np.float64) if found == rows else None
 
     def _table(self, written: list[str], first: int) -> Array:

@@ -15,6 +15,7 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler.formats import lines
 from sculler.formats.tables import open_table, table_kind
 from sculler.formats.vectors_table import TableVectors, TableVectorsWriter
 from sculler.formats.vectors_text import TIME, TextVectors, TextVectorsWriter
@@ -257,6 +258,7 @@ def results_in(path: str | Path) -> int | None:
             with open_table(path, "vectors file") as table:
                 return table.rows
         with path.open("rb") as file:
-            return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b"")) - 1
+            blocks = iter(lambda: file.read(lines.BLOCK_BYTES), b"")
+            return sum(block.count(b"\n") for block in blocks) - 1
     except (OSError, InputError):  # told where it is read
         return None

@@ -274,7 +274,7 @@ class TextVectorsWriter:
         rows, columns, words = limbs.shape
         wide = columns * (WHOLE_BYTES + _LIMB_BYTES * (words - 1))
         room = rows * (2 * WHOLE_BYTES + wide + FLOAT_BYTES)
-        compiled = kernels(self._written + room)
+        compiled = kernels(self._written + room, writing=True)
         if compiled is None:
             return None
         out = np.empty(room, np.uint8)

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.checks.breaks import Break, BreakFinder, Policy
+from sculler.formats.lines import Behind
 from sculler.formats.log import read_log
+from sculler.formats.tables import counting
 from sculler.formats.vectors import VectorsWriter
 from sculler.runs.engines import SimulationEngine
 from sculler.words import Advance, plural
@@ -204,6 +206,7 @@ class _Source:
         self._design, self._log, self._advance = design, log, advance
         self._breaks = BreakFinder(design, "stdin" if str(log) == "-" else str(log), policy)
         self._plausibility = Plausibility(design)
+        self._looking = Behind(self._plausibility)
         self._samples = self._left_out = 0
         self._phase = 0  # samples in the interval that is not complete
         self._major = 0  # the interval that is not complete
@@ -227,7 +230,7 @@ class _Source:
             complete, self._phase = divmod(self._phase + len(chunk.counts), span)
             self._major += complete
             self._samples += len(chunk.counts)
-            self._plausibility(chunk.counts, chunk.times)
+            self._looking(chunk.counts, chunk.times)
             yield chunk.counts, chunk.faults
 
     @property
@@ -251,9 +254,11 @@ class _Source:
     ) -> Summary:
         """What the run did, once all samples are through."""
         left_out = self._left_out + self._phase
+        self._looking.finish()
         found = self._plausibility.finish()
+        unit, first = counting(self._log)
         implausible = in_words(
-            found, self._plausibility.counts, lambda sample: f"line {sample + 2}"
+            found, self._plausibility.counts, lambda sample: f"{unit} {sample + first}"
         )
         return Summary(
             self._design,

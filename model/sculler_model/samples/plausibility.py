@@ -25,8 +25,8 @@ FindingKind = Literal["zero", "frozen", "stuck", "rail", "spike"]
 BLOCK = 1 << 13
 """Samples looked at together."""
 
-WORTH_COMPILING = 1 << 20
-"""Samples from which on compiled loops look at them first; at once where Numba is in use."""
+WORTH_COMPILING, WORTH_WHEN_LOADED = 1 << 20, 1 << 17
+"""Samples from which on compiled loops look at them first; and where Numba is in use already."""
 
 LISTED = 100
 """Findings of a kind kept one by one; the rest are counted only."""
@@ -166,8 +166,10 @@ class Plausibility:
         """The quick look; None for few samples, for which a compiler is not worth loading."""
         if self._rows.dtype != np.int64:
             return None
-        many = "numba" in sys.modules or self._first >= WORTH_COMPILING
-        return compiled() if many else None
+        least = WORTH_COMPILING
+        if "numba" in sys.modules:
+            least = min(least, WORTH_WHEN_LOADED)
+        return compiled() if self._first >= least else None
 
     def _screened(self, new: int) -> int:
         """What must be looked at closely; runs are followed here where none of them is long."""

@@ -6,6 +6,7 @@ slowly.  So they do for little text, for which loading a compiler is not worth t
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
@@ -15,8 +16,12 @@ from typing import Any, NamedTuple
 
 from sculler.formats.compiled import decimals, printing, scanning
 
-WORTH_COMPILING = 1 << 25
-"""Bytes of a text from which on it is read and written by compiled loops."""
+WORTH_READING, WORTH_WRITING = 1 << 25, 1 << 23
+"""Bytes of a text from which on it is read and written by compiled loops: to load them takes half a
+second."""
+
+WORTH_WHEN_LOADED = 1 << 20
+"""The same where Numba is in use already."""
 
 
 class Kernels(NamedTuple):
@@ -29,22 +34,30 @@ class Kernels(NamedTuple):
     scan_log: Callable[..., int]
     scan_whole: Callable[..., int]
     scan_wide: Callable[..., int]
-    scan_floats: Callable[..., int]
+    scan_numbers: Callable[..., int]
     longest: Callable[..., int]
     print_whole: Callable[..., int]
+    print_stamped: Callable[..., int]
     print_wide: Callable[..., int]
     print_floats: Callable[..., int]
     upper: decimals.Words
     lower: decimals.Words
 
 
-def kernels(size: int) -> Kernels | None:
+def kernels(size: int, writing: bool = False) -> Kernels | None:
     """What reads or writes so many bytes of text; None for little, and where Numba is missing."""
-    return _kernels() if size >= WORTH_COMPILING else None
+    least = WORTH_WRITING if writing else WORTH_READING
+    if "numba" in sys.modules:
+        least = min(least, WORTH_WHEN_LOADED)
+    return loaded() if size >= least else None
 
 
 @cache
-def _kernels() -> Kernels | None:
+def loaded() -> Kernels | None:
+    """The compiled functions; None where Numba is missing.
+
+    Compiling takes some seconds at the very first call and is kept on disk from then on.
+    """
     try:
         from numba import njit
         from numba.extending import register_jitable

@@ -22,7 +22,7 @@ WHOLE_BYTES, FLOAT_BYTES = 21, 26
 
 _TEN, _HUNDRED, _THOUSAND, _MYRIAD = (np.uint64(10**k) for k in (1, 2, 3, 4))
 _PAIRS = np.frombuffer("".join(f"{pair:02}" for pair in range(100)).encode(), np.uint8)
-_NINE_DIGITS = np.uint64(10**9)
+_NINE_DIGITS = np.uint64(10**9)  # nine nanosecond digits too
 _LOW, _HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
 
 
@@ -183,6 +183,26 @@ def print_whole(whole: Whole, times: Floats, powers: Words, out: Bytes) -> int:
                 return -1
             at += 1
         out[at - 1] = 10
+    return at
+
+
+def print_stamped(whole: Whole, nanoseconds: Whole, out: Bytes) -> int:
+    """Rows of whole numbers (R, C), and (R,) nanoseconds, not negative, as seconds."""
+    at = 0
+    for row in range(len(whole)):
+        for column in range(whole.shape[1]):
+            at = put_whole(out, at, whole[row, column])
+            out[at] = 44
+            at += 1
+        size = np.uint64(nanoseconds[row])
+        seconds = size // _NINE_DIGITS
+        at = put_digits(out, at, seconds, digits_of(seconds))
+        out[at] = 46
+        at = put_digits(out, at + 1, size - seconds * _NINE_DIGITS, 9)
+        while out[at - 1] == 48 and out[at - 2] != 46:
+            at -= 1
+        out[at] = 10
+        at += 1
     return at
 
 

@@ -22,8 +22,9 @@ Floats = NDArray[np.float64]
 FAULT, TIME, SEQUENCE = 6, 7, 8
 """What a column of a log is, the counts being 0 to 5."""
 
-_MOST_DIGITS = 18  # of 64 bits
-_FLOAT_DIGITS = 19  # 10**19 < 2**64
+_MOST_DIGITS = 19  # 10**19 < 2**64
+_GREATEST = np.uint64(2**63 - 1)
+_LIMB_DIGITS = 18  # taken together in a wide number
 _EXPONENT_DIGITS = 4
 _TEN = np.uint64(10)
 
@@ -78,18 +79,20 @@ def scan_log(
 
 
 def scan_word(text: Bytes, at: int) -> tuple[Any, int]:
-    """A whole number of up to 18 digits at a place, and the place after it; -1 for no such."""
+    """A whole number of up to 64 bits at a place, and the place after it; -1 for no such."""
     negative = text[at] == 45
     if negative:
         at += 1
-    begin, value = at, np.int64(0)
+    begin, value = at, np.uint64(0)
     while True:
         figure = np.uint8(text[at] - np.uint8(48))
         if figure > 9:
             break
-        value = value * 10 + np.int64(figure)
+        value = value * _TEN + np.uint64(figure)
         at += 1
-    return -value if negative else value, at if 1 <= at - begin <= _MOST_DIGITS else -1
+    if not 1 <= at - begin <= _MOST_DIGITS or value > _GREATEST:
+        return np.int64(0), -1
+    return -np.int64(value) if negative else np.int64(value), at
 
 
 def scan_decimal(text: Bytes, at: int, powers: Words) -> tuple[Any, int]:
@@ -115,7 +118,7 @@ def scan_decimal(text: Bytes, at: int, powers: Words) -> tuple[Any, int]:
             value = value * _TEN + np.uint64(figure)
         at += 1
     digits = at - begin - (1 if point > 0 else 0)
-    if digits < 1 or digits - zeros > _FLOAT_DIGITS or at == point:
+    if digits < 1 or digits - zeros > _MOST_DIGITS or at == point:
         return np.uint64(0), -1
     exponent = np.int64(point - at if point > 0 else 0)
     if text[at] == 101:
@@ -142,7 +145,7 @@ def scan_decimal(text: Bytes, at: int, powers: Words) -> tuple[Any, int]:
 def scan_whole(
     text: Bytes, columns: int, timed: bool, powers: Words, whole: Whole, bits: Words
 ) -> int:
-    """Rows of whole numbers of up to 18 digits, and of a decimal after them if `timed`.
+    """Rows of whole numbers of up to 64 bits, and of a decimal after them if `timed`.
 
     Returns:
         The number of rows; -1 if the text is not plain.
@@ -234,7 +237,7 @@ def _scan_limbs(text: Bytes, at: int, limbs: NDArray[np.uint64]) -> int:
     begin = at
     while True:
         piece, scale, first = np.uint64(0), np.uint64(1), at
-        while at - first < _MOST_DIGITS:
+        while at - first < _LIMB_DIGITS:
             figure = np.uint8(text[at] - np.uint8(48))
             if figure > 9:
                 break
@@ -260,14 +263,23 @@ def _scan_limbs(text: Bytes, at: int, limbs: NDArray[np.uint64]) -> int:
     return at
 
 
-def scan_floats(text: Bytes, places: Whole, powers: Words, bits: Words) -> int:
-    """Rows of decimals; only some columns are read.
+def scan_numbers(
+    text: Bytes,
+    separator: int,
+    places: Whole,
+    powers: Words,
+    bits: Words,
+    whole: Whole,
+) -> int:
+    """Rows of decimals and whole numbers, perhaps with blanks around; only some columns are read.
 
     Args:
         text: whole lines.
-        places: (F,) where each column's float goes in its row of `bits`; -1 for nowhere.
+        separator: between the columns.
+        places: (F,) what becomes of each column: from 0 on the place of its float in the row of
+            `bits`, from -2 down that of its whole number in `whole`; -1 for nothing.
         powers: of `decimals.lower_powers`.
-        bits: (R, C), filled.
+        bits, whole: (R, C) and (R, K), filled.
 
     Returns:
         The number of rows; -1 if the text is not plain.
@@ -275,16 +287,23 @@ def scan_floats(text: Bytes, places: Whole, powers: Words, bits: Words) -> int:
     at, row, end, last = 0, 0, len(text), len(places) - 1
     while at < end:
         for column in range(last + 1):
+            place = places[column]
+            while at < end and text[at] == 32:
+                at += 1
             if at >= end:
                 return -1
-            if places[column] >= 0:
-                bits[row, places[column]], at = scan_decimal(text, at, powers)
-                if at < 0:
-                    return -1
+            if place >= 0:
+                bits[row, place], at = scan_decimal(text, at, powers)
+            elif place < -1:
+                whole[row, -2 - place], at = scan_word(text, at)
             else:
-                while text[at] != 44 and text[at] != 10:
+                while text[at] != separator and text[at] != 10:
                     at += 1
-            if text[at] != (44 if column < last else 10):
+            if at < 0:
+                return -1
+            while text[at] == 32:
+                at += 1
+            if text[at] != (separator if column < last else 10):
                 return -1
             at += 1
         row += 1

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,10 @@ from sculler_model.errors import InputError
 __all__ = [
     "Block",
     "Column",
+    "Counting",
     "TableReader",
     "TableWriter",
+    "counting",
     "open_table",
     "seconds",
     "table_kind",
@@ -38,6 +40,23 @@ _ENDINGS: dict[str, Kind] = {".npz": "npz", ".parquet": "parquet"}
 def table_kind(path: str | Path) -> Kind | None:
     """Which binary kind a file is of, by its ending; None for text."""
     return _ENDINGS.get(Path(path).suffix.lower())
+
+
+class Counting(NamedTuple):
+    """How messages count the rows of a file.
+
+    Attributes:
+        unit: `line` or `row`.
+        first: number of the first row; a CSV has its header in line 1.
+    """
+
+    unit: str
+    first: int
+
+
+def counting(path: str | Path) -> Counting:
+    """How the rows of a file are counted, by its ending."""
+    return Counting("line", 2) if table_kind(path) is None else Counting("row", 1)
 
 
 @contextmanager

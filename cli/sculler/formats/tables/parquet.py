@@ -21,6 +21,7 @@ from sculler_model.errors import InputError
 
 _GROUP_BYTES = 4 << 20  # of a row group, before it is coded
 _BUFFER = 1 << 16  # bytes of a column read at a time
+_FLOATS = {"halffloat": "float16", "float": "float32", "double": "float64"}  # numpy's names
 _SHORT_BITS, _LONG_BITS = 126, 252  # of decimals with 38 and 76 digits
 
 
@@ -64,7 +65,7 @@ class ParquetReader:
         pa = _pyarrow(path, "reading")
         self._path = path
         with _damage_told(path):
-            self._file = pa.parquet.ParquetFile(path, buffer_size=_BUFFER)
+            self._file = pa.parquet.ParquetFile(path, buffer_size=_BUFFER, pre_buffer=False)
             self.names: Sequence[str] = list(self._file.schema_arrow.names)
             self.rows: int = self._file.metadata.num_rows
 
@@ -99,7 +100,7 @@ class ParquetReader:
         if pa.types.is_boolean(kind):
             return _values(array.cast(pa.uint8()), np.bool_)
         if pa.types.is_integer(kind) or pa.types.is_floating(kind):
-            return _values(array, kind.to_pandas_dtype())
+            return _values(array, _FLOATS.get(str(kind), str(kind)))
         raise InputError(f"{self._path}: {name} is of type {kind}, give numbers")
 
     def _listed(self, array: Any, name: str, first: int) -> NDArray[np.int64]:
