@@ -18,10 +18,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from amaranth.back import rtlil
-
 from sculler_hdl.core import build_core
 from sculler_hdl.export.manifest import Manifest, make_manifest, module_ports
+from sculler_hdl.export.rtlil_text import to_rtlil
 from sculler_hdl.export.rtlil_widths import equal_widths
 from sculler_hdl.plan.ports import Port
 from sculler_hdl.targets import cell_models
@@ -56,9 +55,8 @@ def generate(design: Design) -> Generated:
         ToolError: Yosys failed.
     """
     core = build_core(design)
-    text = rtlil.convert(core, name=design.name, emit_src=False)
     ports = module_ports(design)
-    flat = equal_widths(_yosys(_FLATTEN, text, design.name))
+    flat = equal_widths(_yosys(_FLATTEN, to_rtlil(core, design.name), design.name))
     body = _tidy(_yosys(_WRITE, flat, design.name), ports)
     verilog = _header(design, core.timing, ports) + body
     checksum = hashlib.sha256(verilog.encode()).hexdigest()
