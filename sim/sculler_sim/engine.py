@@ -22,13 +22,12 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
 from numpy.typing import NDArray
 
 from sculler_hdl import timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.fast import VectorBlock, component_dtype
+from sculler_model.fast import VectorBlock
 from sculler_model.golden import CycleModel, Ports
 from sculler_sim.engines import amaranth as amaranth_engine
 from sculler_sim.engines import verilator as verilator_engine
@@ -142,19 +141,10 @@ def _stream(
     taken = surroundings.taken
     for _ in _clocks(design, surroundings, engine, wave):
         if len(taken) >= _RESULTS:
-            yield _block(design, taken)
+            yield VectorBlock.from_rows(taken, design)
             taken.clear()
     if taken:
-        yield _block(design, taken)
-
-
-def _block(design: Design, rows: list[tuple[int, ...]]) -> VectorBlock:
-    table = np.array(rows, object)
-    return VectorBlock(
-        table[:, 0].astype(np.int64),
-        table[:, 1].astype(np.int64),
-        table[:, 2:].astype(component_dtype(design)),
-    )
+        yield VectorBlock.from_rows(taken, design)
 
 
 def _clocks(

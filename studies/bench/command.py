@@ -6,6 +6,7 @@ import os
 import platform
 import statistics
 import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,17 +18,52 @@ from sculler import terminal
 from sculler.words import three_digits
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from studies.bench import navigators
+from studies.bench import analyses, files, navigators
+from studies.bench.contest import Contest, hold
 from studies.bench.tasks import measure, tasks
+
+SUBJECTS: dict[str, Callable[[Path], list[Contest]]] = {
+    "analyses": analyses.contests,
+    "files": files.contests,
+}
+"""Contests by subject, each made from a folder for its files."""
 
 
 @click.command(epilog=terminal.examples("python -m studies.bench --runs 9 --json"))
 @click.option(
     "--runs", type=click.IntRange(min=5), default=5, show_default=True, help="Runs of each."
 )
+@click.option(
+    "--only",
+    type=click.Choice(sorted(SUBJECTS)),
+    multiple=True,
+    help="Hold the contests of this subject and nothing else; may be given more than once.",
+)
 @terminal.json_option
-def command(runs: int, as_json: bool) -> None:
-    """Measure model, simulators, log reading and navigation, the latter beside python-ins."""
+def command(runs: int, only: Sequence[str], as_json: bool) -> None:
+    """Measure model, simulators, files, navigation and studies, beside others that do the same."""
+    data: dict[str, Any] = {"runs": runs, "machine": _machine()}
+    shown: list[Table | str] = [data["machine"]]
+    if not only:
+        data |= _speeds(runs)
+        data["navigators"] = _compare_navigators(runs)
+        shown += [_table(data), "", _navigators(data["navigators"])]
+    data["contests"] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for subject in only or SUBJECTS:
+            rows = hold(SUBJECTS[subject](Path(folder)), runs)
+            data["contests"][subject] = rows
+            shown += ["", _contests(subject, rows, runs)]
+    terminal.report(data, as_json, *shown)
+
+
+def _machine() -> str:
+    machine = f"{platform.machine()}, {os.cpu_count()} processors, Python"
+    return f"{machine} {platform.python_version()}, numpy {np.__version__}"
+
+
+def _speeds(runs: int) -> dict[str, Any]:
+    """What each task does in a second, of the default design."""
     design = Design.preset("stim300")
     with tempfile.TemporaryDirectory() as folder:
         all_tasks = tasks(design, Path(folder))
@@ -45,13 +81,7 @@ def command(runs: int, as_json: bool) -> None:
             if task.clocks
             else None,
         }
-    machine = f"{platform.machine()}, {os.cpu_count()} processors, Python"
-    machine += f" {platform.python_version()}, numpy {np.__version__}"
-    data = {"design": design.name, "runs": runs, "machine": machine, "speeds": rows}
-    compared = _compare_navigators(runs)
-    terminal.report(
-        {**data, "navigators": compared}, as_json, _table(data), "", _navigators(compared)
-    )
+    return {"design": design.name, "speeds": rows}
 
 
 def _compare_navigators(runs: int) -> dict[str, Any]:
@@ -66,8 +96,6 @@ def _table(data: dict[str, Any]) -> Table:
     table = Table(
         title=f"samples/s, design {data['design']}, medians of {data['runs']} runs",
         title_justify="left",
-        caption=data["machine"],
-        caption_justify="left",
     )
     table.add_column("")
     for column in ("samples/s", "slowest", "fastest", "results/s", "clocks/s", "samples a run"):
@@ -102,4 +130,32 @@ def _navigators(data: dict[str, Any]) -> Table | str:
     for name, row in data["navigators"].items():
         keys = ("updates_per_s", "us_per_update", "horizontal_m", "velocity_m_per_s")
         table.add_row(name, *(three_digits(row[key]) if key in row else "" for key in keys))
+    return table
+
+
+def _contests(subject: str, rows: list[dict[str, Any]], runs: int) -> Table:
+    """A subject's rows of `hold`; the worst ratio against its goal comes first."""
+
+    def margin(row: dict[str, Any]) -> float:
+        return float("inf") if row["ratio"] is None else row["ratio"] / (row["goal"] or 1)
+
+    table = Table(
+        title=f"{subject}: ratio of the other side's time to ours, medians of {runs} runs",
+        title_justify="left",
+    )
+    for column in ("", "against"):
+        table.add_column(column)
+    for column in ("ratio", "goal", "a second", "ours, s", "theirs, s"):
+        table.add_column(column, justify="right")
+    for row in sorted(rows, key=margin):
+        theirs = row["theirs_s"]
+        table.add_row(
+            row["name"],
+            row["missing"] or row["against"],
+            "" if row["ratio"] is None else f"{row['ratio']:.2f}",
+            "" if row["goal"] is None else f"{row['goal']:g}",
+            f"{three_digits(row['per_second'])} {row['unit']}",
+            three_digits(row["ours_s"][1]),
+            "" if theirs is None else three_digits(theirs[1]),
+        )
     return table

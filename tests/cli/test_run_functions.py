@@ -36,7 +36,8 @@ def quiet(capfd: pytest.CaptureFixture[str]) -> object:
 def test_runs_need_no_command_line() -> None:
     script = (
         "import sys, sculler.runs.counts, sculler.runs.conversion, sculler.runs.navigation,"
-        " sculler.runs.demo; print(sorted({'click', 'rich'} & set(sys.modules)))"
+        " sculler.runs.demo, sculler.runs.coefficients, sculler.runs.hardware,"
+        " sculler.runs.placing; print(sorted({'click', 'rich'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (0, "[]\n", "")

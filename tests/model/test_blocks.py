@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from position_designs import HIGH_RESOLUTION
 from sculler_model.design import (
     COLUMNS,
     COMPONENTS,
@@ -13,7 +14,7 @@ from sculler_model.design import (
     VECTORS,
     Result,
 )
-from sculler_model.fast import VectorBlock, component_dtype
+from sculler_model.fast import VectorBlock, WideIntegers, component_limbs
 from strategies import DESIGNS
 
 RESULTS = [
@@ -31,10 +32,16 @@ def test_column_names() -> None:
     assert Result._fields[2:] == (*VECTORS, *HIGH_RESOLUTION_VECTORS)
 
 
-@pytest.mark.parametrize("kind", [np.int64, object])
-def test_results_come_back_as_rows(kind: type) -> None:
-    block = VectorBlock.from_results(RESULTS, np.dtype(kind))
-    assert block.components.dtype == np.dtype(kind)
+@pytest.mark.parametrize("name", [None, "stim300_4x5", "wide_5p0"])
+def test_results_come_back_as_rows(name: str | None) -> None:
+    block = VectorBlock.from_results(RESULTS, None if name is None else DESIGNS[name])
+    if name == "wide_5p0":
+        assert isinstance(block.components, WideIntegers)
+        assert block.components.words == 2
+        assert block.to_numpy().dtype == object
+    else:
+        assert isinstance(block.components, np.ndarray)
+        assert block.components.dtype == block.to_numpy().dtype == np.int64
     assert len(block) == 5
     rows = list(block.rows())
     assert rows == [result.row() for result in RESULTS]
@@ -45,8 +52,15 @@ def test_rows_of_more_than_64_bits() -> None:
     huge = RESULTS[0]._replace(sculling_within=(2**90, -(2**90), 2**63))
     block = VectorBlock.from_results([huge])
     assert list(block.rows()) == [huge.row()]
+    table = block.to_numpy()
+    assert table.dtype == object
+    assert table.tolist() == [[*huge.row()]]
+    assert block.named_columns()["sculling_within_x"].tolist() == [2**90]
+    assert block.vector("sculling_within").astype(np.float64).tolist() == [
+        [2.0**90, -(2.0**90), 2.0**63]
+    ]
     with pytest.raises(OverflowError):
-        VectorBlock.from_results([huge], np.dtype(np.int64))
+        VectorBlock.from_results([huge], DESIGNS["stim300_4x5"])
 
 
 def test_vector_by_name() -> None:
@@ -56,16 +70,14 @@ def test_vector_by_name() -> None:
 
 
 def test_empty_and_concatenate() -> None:
-    empty = VectorBlock.empty(np.dtype(np.int64))
+    empty = VectorBlock.from_rows([])
     assert (len(empty), empty.components.shape, list(empty.rows())) == (0, (0, 18), [])
     assert len(VectorBlock.from_results([])) == 0
-    whole = VectorBlock.from_results(RESULTS, np.dtype(np.int64))
-    parts = [
-        VectorBlock.from_results(part, np.dtype(np.int64)) for part in (RESULTS[:2], RESULTS[2:])
-    ]
+    whole = VectorBlock.from_results(RESULTS)
+    parts = [VectorBlock.from_results(part) for part in (RESULTS[:2], RESULTS[2:])]
     joined = VectorBlock.concatenate([parts[0], empty, parts[1]])
     assert list(joined.rows()) == list(whole.rows())
-    assert joined.components.dtype == np.int64
+    assert isinstance(joined.components, np.ndarray)
     with pytest.raises(ValueError, match="at least one"):
         VectorBlock.concatenate([])
 
@@ -81,16 +93,31 @@ def test_first_difference() -> None:
     assert block.first_difference(VectorBlock.from_results(RESULTS[:2])) is None
 
 
-def test_component_dtype_follows_the_widest_vector() -> None:
-    assert component_dtype(DESIGNS["stim300_4x5"]) == np.int64
-    assert component_dtype(DESIGNS["taylor_6p2"]) == np.int64  # 63 bits
-    assert component_dtype(DESIGNS["wide_5p0"]) == np.dtype(object)
+def test_blocks_of_other_widths_are_joined_in_the_widest() -> None:
+    wide = RESULTS[1]._replace(nu=(-(2**100), 2**64, -1))
+    parts = [VectorBlock.from_results([each]) for each in (RESULTS[0], wide, RESULTS[2])]
+    joined = VectorBlock.concatenate(parts)
+    assert isinstance(joined.components, WideIntegers)
+    assert [*joined.rows()] == [each.row() for each in (RESULTS[0], wide, RESULTS[2])]
+
+
+def test_arrays_of_python_integers_are_kept_as_limbs() -> None:
+    numbers = np.array([[2**70 + i for i in range(18)]], object)
+    block = VectorBlock(np.zeros(1, np.int64), np.zeros(1, np.int64), numbers)
+    assert isinstance(block.components, WideIntegers)
+    assert block.components.tolist() == numbers.tolist()
+
+
+def test_limbs_follow_the_widest_vector() -> None:
+    assert component_limbs(DESIGNS["stim300_4x5"]) == 1
+    assert component_limbs(DESIGNS["taylor_6p2"]) == 1  # 63 bits
+    assert component_limbs(DESIGNS["wide_5p0"]) == 2
     widest = {
         name: max(getattr(design.words, vector).bits for vector in VECTORS)
         for name, design in DESIGNS.items()
     }
     for name, design in DESIGNS.items():
-        assert (component_dtype(design) == np.int64) == (widest[name] <= 64)
+        assert 64 * (component_limbs(design) - 1) < widest[name] <= 64 * component_limbs(design)
     assert len(COMPONENTS) == 18
 
 
@@ -106,7 +133,8 @@ def test_blocks_with_high_resolution_position() -> None:
     changed = [*results[:2], results[2]._replace(s_nu=(700, -7, 8))]
     other = VectorBlock.from_results(changed)
     assert block.first_difference(other) == (2, "s_nu_z", 7, 8)
-    assert VectorBlock.from_results([], components=27).columns == HIGH_RESOLUTION_COLUMNS
+    none = VectorBlock.from_results([], HIGH_RESOLUTION["stim300_hr"])
+    assert (none.columns, none.components.shape) == (HIGH_RESOLUTION_COLUMNS, (0, 27))
     assert VectorBlock.from_results([]).columns == COLUMNS
     with pytest.raises(ValueError, match="not in tuple"):
         VectorBlock.from_results(RESULTS).vector("s_nu")

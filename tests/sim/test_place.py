@@ -96,7 +96,7 @@ def test_blocks_stand_where_the_plan_says(tools):
     cells = json.loads(fix_blocks(made.placed, made.top, groups, ECP5))["modules"][made.top][
         "cells"
     ]
-    places = [cells[f"{name}.block"]["attributes"]["BEL"] for group in groups for name in group]
+    places = [cells[f"{name}.dsp"]["attributes"]["BEL"] for group in groups for name in group]
     assert [places] == sites(ECP5, [18])
     assert sum("BEL" in cell["attributes"] for cell in cells.values()) == 18
 
@@ -376,10 +376,16 @@ PRODUCT_PORTS = (
 )
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def product():
     manifest = replace(generate(small("product")).manifest, ports=PRODUCT_PORTS)
     return Generated(PRODUCT, manifest, {}, None)
+
+
+@pytest.fixture(scope="module")
+def in_harness(tools, product):
+    """The product for iCE40."""
+    return synthesise(product, "ice40")
 
 
 def test_a_netlist_that_is_not_the_designs_is_no_netlist(tools, product, monkeypatch):
@@ -389,9 +395,9 @@ def test_a_netlist_that_is_not_the_designs_is_no_netlist(tools, product, monkeyp
         synthesise(product, "ice40")
 
 
-def test_the_harness_has_a_register_for_every_port_bit(tools, product):
+def test_the_harness_has_a_register_for_every_port_bit(in_harness):
     """33 input bits in one shift register, 32 output bits caught and folded; no port on a pin."""
-    made = synthesise(product, "ice40")
+    made = in_harness
     assert made.top == TOP
     whole = synthesis.cells_of(json.loads(made.placed), TOP).values()
     inside, all_of_it = (
@@ -418,8 +424,8 @@ def test_cells_have_the_designs_names(tools, product):
     assert names.register(block).endswith("(MULT18X18D)")
 
 
-def test_cells_in_the_harness_have_the_designs_names(tools, product):
-    made = synthesise(product, "ice40")
+def test_cells_in_the_harness_have_the_designs_names(in_harness):
+    made = in_harness
     names = Names(made.top, made.placed)
     cells = synthesis.cells_of(json.loads(made.placed), TOP)
     registers = {names.register(n) for n, c in cells.items() if c.type.startswith("SB_DFF")}

@@ -71,7 +71,7 @@ def test_with_the_design_the_components_have_its_type(tmp_path, name):
     results = list(GoldenModel(design).run(samples))
     path = write(tmp_path / "v.csv", VectorBlock.from_results(results))
     (back,) = read_vectors(path, design)
-    assert back.components.dtype == (np.int64 if name == "stim300_4x5" else object)
+    assert isinstance(back.components, np.ndarray) == (name == "stim300_4x5")
     assert list(back.rows()) == [result.row() for result in results]
 
 

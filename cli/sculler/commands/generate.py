@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
@@ -36,30 +35,6 @@ def command(design_name: str, folder: Path | None, as_json: bool) -> None:
     from sculler.runs.hardware import write_hardware
 
     design = terminal.load_design(design_name)
-    folder = folder or Path("build") / design.name
     with terminal.progress("generating", None):
-        files = write_hardware(design, folder)
-    manifest = json.loads((folder / f"{design.name}.json").read_text(encoding="utf-8"))
-    words = design.words
-    data = {
-        "design": design.name,
-        "folder": str(folder),
-        "files": [str(file) for file in files],
-        "latency_clocks": manifest["latency_clocks"],
-        "clocks_per_minor": manifest["clocks_per_minor"],
-        "samples_per_major": design.samples_per_major,
-        "resources": manifest["resources"],
-        "verilog_sha256": manifest["verilog_sha256"],
-    }
-    rows = {
-        "module": f"{design.name}: {design.algorithm.family}, n = {design.algorithm.samples},"
-        f" M = {design.algorithm.minors}",
-        "core": f"{design.hardware.core}, target {design.hardware.target}",
-        "clocks": f"{manifest['clocks_per_minor']} a minor interval of"
-        f" {design.algorithm.samples} samples; {manifest['latency_clocks']} from a major"
-        " interval's last sample to its result",
-        "widths": ", ".join(f"{vector} {getattr(words, vector).bits}" for vector in design.vectors)
-        + " bits",
-        "wrote": f"{folder}/: {', '.join(file.name for file in files)}",
-    }
-    terminal.report(data, as_json, terminal.facts(rows))
+        outcome = write_hardware(design, folder or Path("build") / design.name)
+    terminal.report(outcome.as_json(), as_json, terminal.facts(outcome.told()))

@@ -14,7 +14,7 @@ from sculler.runs.hardware import texts_of, write_hardware
 from sculler_hdl import Generated, Manifest
 from sculler_hdl import generate as generate_verilog
 from sculler_model.design import Design
-from sculler_model.fast import VectorBlock, component_dtype
+from sculler_model.fast import VectorBlock
 from sculler_model.samples import end_after_stamp
 from sculler_sim import engine as simulators
 from sculler_sim.stimulus import Stimulus
@@ -65,7 +65,7 @@ class Core:
         Raises:
             InputError: the folder cannot be made or written to.
         """
-        return write_hardware(self.design, Path(folder))
+        return list(write_hardware(self.design, Path(folder)).files)
 
 
 def generate(design: Design) -> Core:
@@ -140,8 +140,7 @@ def simulate(
         stimulus=Stimulus.always() if stall is None else Stimulus.stalls(stall, longest),
         wave=None if wave is None else Path(wave),
     )
-    empty = VectorBlock.empty(component_dtype(design), len(design.components))
-    block = VectorBlock.concatenate([empty, *run])
+    block = VectorBlock.concatenate([VectorBlock.from_rows([], design), *run])
     if samples.times is None:
         return block
     span = design.samples_per_major

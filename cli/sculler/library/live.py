@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ from sculler.library.navigating import Begin, make_plan, require_place
 from sculler.runs.navigation import Carrier, NavigationRun
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.fast import VectorBlock, component_dtype
+from sculler_model.fast import VectorBlock
 from sculler_model.golden import WORD_BITS, from_words, words_per_column, words_per_result
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation import (
@@ -190,7 +190,9 @@ class LiveNavigator:
             rows.append(from_words(self.design, self._words[:size]))
             del self._words[:size]
         if rows:
-            self._results(_block(self.design, rows), WORD_BITS * words_per_column(self.design))
+            self._results(
+                VectorBlock.from_rows(rows, self.design), WORD_BITS * words_per_column(self.design)
+            )
         return self._told()
 
     def drop_words(self) -> int:
@@ -331,15 +333,6 @@ class LiveNavigator:
                     np.array([self._end]),
                 )
             )
-
-
-def _block(design: Design, rows: Sequence[Sequence[int]]) -> VectorBlock:
-    table = np.array(rows, object)
-    return VectorBlock(
-        table[:, 0].astype(np.int64),
-        table[:, 1].astype(np.int64),
-        table[:, 2:].astype(component_dtype(design)),
-    )
 
 
 @dataclass(frozen=True)

@@ -206,7 +206,7 @@ def _parquet_file(path: Path) -> Any:
             f"{path}: reading Parquet files needs pyarrow, run: pip install 'sculler[formats]'"
         ) from error
     try:
-        return pq.ParquetFile(path)
+        return pq.ParquetFile(path, pre_buffer=False)  # it would keep all it reads
     except OSError as error:
         raise InputError(
             f"{path}: cannot read the log ({error.strerror or error}), check the path"

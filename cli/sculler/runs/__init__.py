@@ -10,6 +10,8 @@ Each room takes typed arguments and gives an outcome, a frozen dataclass:
 - `runs.analysis`, `runs.advice`: studies of designs, and the designs that meet a requirement.
 - `runs.demo`: `run_demo(folder)`, the main job from end to end.
 - `runs.hardware`: `write_hardware(design, folder)`, Verilog, manifest and test bench.
+- `runs.placing`: `place_core(Plan)`, a core's clock rate and area in a real device.
+- `runs.coefficients`: `of_design`, `of_family`, a tap table and what it leaves.
 - `runs.engines`: `choose_engine`, which simulator there is.
 
 All keep the same rules:

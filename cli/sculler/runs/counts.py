@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.checks.breaks import Break, BreakFinder, Policy
+from sculler.formats.lines import Behind
 from sculler.formats.log import read_log
+from sculler.formats.tables import counting
 from sculler.formats.vectors import VectorsWriter
 from sculler.runs.engines import SimulationEngine
 from sculler.words import Advance, plural
@@ -24,7 +26,7 @@ from sculler_model.design import (
     STATUS_SHORT_HISTORY,
     Design,
 )
-from sculler_model.fast import FastModel, VectorBlock, component_dtype
+from sculler_model.fast import FastModel, VectorBlock
 from sculler_model.golden import GoldenModel, Sample
 from sculler_model.samples import Plausibility, end_after_stamp, in_words
 from sculler_sim.engine import simulate
@@ -204,6 +206,7 @@ class _Source:
         self._design, self._log, self._advance = design, log, advance
         self._breaks = BreakFinder(design, "stdin" if str(log) == "-" else str(log), policy)
         self._plausibility = Plausibility(design)
+        self._looking = Behind(self._plausibility)
         self._samples = self._left_out = 0
         self._phase = 0  # samples in the interval that is not complete
         self._major = 0  # the interval that is not complete
@@ -227,7 +230,7 @@ class _Source:
             complete, self._phase = divmod(self._phase + len(chunk.counts), span)
             self._major += complete
             self._samples += len(chunk.counts)
-            self._plausibility(chunk.counts, chunk.times)
+            self._looking(chunk.counts, chunk.times)
             yield chunk.counts, chunk.faults
 
     @property
@@ -251,9 +254,11 @@ class _Source:
     ) -> Summary:
         """What the run did, once all samples are through."""
         left_out = self._left_out + self._phase
+        self._looking.finish()
         found = self._plausibility.finish()
+        unit, first = counting(self._log)
         implausible = in_words(
-            found, self._plausibility.counts, lambda sample: f"line {sample + 2}"
+            found, self._plausibility.counts, lambda sample: f"{unit} {sample + first}"
         )
         return Summary(
             self._design,
@@ -284,7 +289,7 @@ def _write(
     """
     results = 0
     marked = dict.fromkeys((STATUS_SHORT_HISTORY, STATUS_FAULT, STATUS_RAIL, STATUS_LOST), 0)
-    with VectorsWriter(output, design.columns, times) as writer:
+    with VectorsWriter(output, design.columns, times, design) as writer:
         for block in blocks:
             writer.write(block)
             results += len(block)
@@ -299,7 +304,7 @@ class _Reference:
 
     def __init__(self, design: Design) -> None:
         self._model = GoldenModel(design)
-        self._dtype, self._components = component_dtype(design), len(design.components)
+        self._design = design
 
     def reset(self) -> None:
         self._model.reset()
@@ -310,6 +315,4 @@ class _Reference:
             ((gx, gy, gz), (ax, ay, az), fault)
             for (gx, gy, gz, ax, ay, az), fault in zip(counts.tolist(), flags, strict=True)
         )
-        return VectorBlock.from_results(
-            list(self._model.run(samples)), self._dtype, self._components
-        )
+        return VectorBlock.from_results(self._model.run(samples), self._design)

@@ -3,12 +3,59 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from sculler_hdl import Generated, generate, timing
+from sculler_hdl import Generated, Manifest, generate, timing
 from sculler_model.design import Design
 from sculler_model.outputs import gathering
 from sculler_sim.testbench import write_testbench
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What was written.
+
+    Attributes:
+        manifest: of the core.
+        folder: where the files are.
+        files: all of them.
+    """
+
+    manifest: Manifest
+    folder: Path
+    files: tuple[Path, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain data."""
+        manifest, design = self.manifest.as_json(), self.manifest.design
+        return {
+            "design": design.name,
+            "folder": str(self.folder),
+            "files": [str(file) for file in self.files],
+            "latency_clocks": manifest["latency_clocks"],
+            "clocks_per_minor": manifest["clocks_per_minor"],
+            "samples_per_major": design.samples_per_major,
+            "resources": manifest["resources"],
+            "verilog_sha256": manifest["verilog_sha256"],
+        }
+
+    def told(self) -> dict[str, str]:
+        """In words, row by row."""
+        manifest, design = self.manifest, self.manifest.design
+        algorithm = design.algorithm
+        widths = (f"{vector} {getattr(design.words, vector).bits}" for vector in design.vectors)
+        return {
+            "module": f"{design.name}: {algorithm.family}, n = {algorithm.samples},"
+            f" M = {algorithm.minors}",
+            "core": f"{design.hardware.core}, target {design.hardware.target}",
+            "clocks": f"{manifest.clocks_per_minor} a minor interval of"
+            f" {algorithm.samples} samples; {manifest.latency_clocks} from a major"
+            " interval's last sample to its result",
+            "widths": f"{', '.join(widths)} bits",
+            "wrote": f"{self.folder}/: {', '.join(file.name for file in self.files)}",
+        }
 
 
 def texts_of(generated: Generated) -> dict[str, str]:
@@ -24,11 +71,12 @@ def texts_of(generated: Generated) -> dict[str, str]:
     return texts
 
 
-def write_hardware(design: Design, folder: Path) -> list[Path]:
-    """Verilog, manifest and test bench of a design; they appear together.
+def write_hardware(design: Design, folder: Path) -> Outcome:
+    """Write Verilog, manifest and test bench of a design; they appear together.
 
-    Returns:
-        The files, in `folder`, which is made if need be.
+    Args:
+        design: the design.
+        folder: where; it is made if need be.
 
     Raises:
         InputError: the folder cannot be made or written to.
@@ -40,4 +88,4 @@ def write_hardware(design: Design, folder: Path) -> list[Path]:
             (gathered / name).write_text(text, encoding="utf-8", newline="\n")
         bench = write_testbench(design, gathered, timing(design), generated.cells)
         names = [*texts, *(file.name for file in bench)]
-    return [folder / name for name in names]
+    return Outcome(generated.manifest, folder, tuple(folder / name for name in names))

@@ -4,12 +4,18 @@
 `golden` only what the two must agree on by definition.
 """
 
-from sculler_model.fast.blocks import VectorBlock, component_dtype
+from sculler_model.fast.blocks import VectorBlock, component_limbs
 from sculler_model.fast.twin import FastModel, run_fast
+from sculler_model.fast.wide import Integers, WideIntegers, as_integers, from_limbs, limbs_of
 
 __all__ = [
     "FastModel",
+    "Integers",
     "VectorBlock",
-    "component_dtype",
+    "WideIntegers",
+    "as_integers",
+    "component_limbs",
+    "from_limbs",
+    "limbs_of",
     "run_fast",
 ]

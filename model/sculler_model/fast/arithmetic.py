@@ -28,8 +28,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from sculler_model.design import VECTORS, Design, Interval, cross_range
-from sculler_model.fast.blocks import component_dtype
+from sculler_model.fast.blocks import component_limbs
 from sculler_model.fast.scrolling import FastHighResolution
+from sculler_model.fast.wide import Integers, as_integers
 
 Counts: TypeAlias = NDArray[np.integer[Any]]
 """(N, 6): gyro x, y, z, accelerometer x, y, z of N samples."""
@@ -61,7 +62,7 @@ class Arithmetic:
     Attributes:
         history: rows before the first major interval, whole minor intervals of samples.
         majors: R, the most major intervals of a block.
-        dtype: type of the components.
+        limbs: W of the components, 1 for int64.
 
     Args:
         design: the design.
@@ -76,7 +77,7 @@ class Arithmetic:
         self.minors_back = max(-((k - d) // self.n) for k, d in enumerate(design.reaches))
         self.history = self.n * self.minors_back
         self.majors = max(block // (self.n * (self.minors_back + self.M)), 1)
-        self.dtype = component_dtype(design)
+        self.limbs = component_limbs(design)
         self._along_majors = few_minors >= self.M
 
         self.bits = digit_bits(design)
@@ -121,7 +122,7 @@ class Arithmetic:
             return np.empty((count, 2, 4, minors, self.majors), np.int64)
         return np.empty((count, 2, 4, self.majors, minors), np.int64).swapaxes(-1, -2)
 
-    def components(self, rows: Counts) -> NDArray[Any]:
+    def components(self, rows: Counts) -> Integers:
         """(R, 18 or 27) components of the R major intervals after the history in `rows`."""
         n, M = self.n, self.M
         R = (len(rows) - self.history) // (n * M)
@@ -158,7 +159,7 @@ class Arithmetic:
         if self._position is not None:
             position = self._position.components(rows[self.history - 1 :])
             components = np.concatenate([components, position], axis=1)
-        return components
+        return as_integers(components, self.limbs)
 
     def _load(self, rows: Counts, x: NDArray[np.int64]) -> None:
         """Lay samples out as (phase, sensor, axis, minor, major), minors of history first."""

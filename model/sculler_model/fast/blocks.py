@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.design import COMPONENTS, HIGH_RESOLUTION_COLUMNS, Design, Result
+from sculler_model.fast.wide import Integers, as_integers, concatenate, limbs_for
 from sculler_model.tables import Table, vector_columns
 
 
-def component_dtype(design: Design) -> np.dtype[np.generic]:
-    """int64 where every component of the design fits it, else object (Python integers)."""
-    widest = max(getattr(design.words, vector).bits for vector in design.vectors)
-    return np.dtype(np.int64) if widest <= 64 else np.dtype(object)
+def component_limbs(design: Design) -> int:
+    """W, limbs of 64 bits that hold any component of the design; 1 where int64 does."""
+    return limbs_for(max(getattr(design.words, vector).bits for vector in design.vectors))
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,8 @@ class VectorBlock(Table):
         major: (R,) int64, counting from 0 after reset.
         status: (R,) int64, bit set (see `sculler_model.design`).
         components: exact integers in the order of the design's components, (R, 18), with
-            high-resolution position (R, 27); int64, or object where the numbers may pass 64 bits.
+            high-resolution position (R, 27); int64, or `WideIntegers` where the numbers may pass 64
+            bits.  Arrays of Python integers are taken and kept so.
         times: (R,) instant of each interval's end on the log's clock, s; None where the log has
             no stamps.
 
@@ -41,36 +42,42 @@ class VectorBlock(Table):
 
     major: NDArray[np.int64]
     status: NDArray[np.int64]
-    components: NDArray[np.generic]
+    components: Integers
     times: NDArray[np.float64] | None = None
 
-    @classmethod
-    def empty(cls, dtype: np.dtype[np.generic], components: int = len(COMPONENTS)) -> VectorBlock:
-        """A block of no results."""
-        none = np.zeros(0, np.int64)
-        return cls(none, none, np.zeros((0, components), dtype))
+    def __post_init__(self) -> None:
+        if isinstance(self.components, np.ndarray) and self.components.dtype.kind == "O":
+            object.__setattr__(self, "components", as_integers(self.components))
 
     @classmethod
-    def from_results(
-        cls,
-        results: Sequence[Result],
-        dtype: np.dtype[np.generic] | None = None,
-        components: int = len(COMPONENTS),
-    ) -> VectorBlock:
+    def from_rows(cls, rows: Iterable[Sequence[int]], design: Design | None = None) -> VectorBlock:
+        """Collect results that came as rows of integers.
+
+        Args:
+            rows: `major`, `status`, components, of one design.
+            design: the design, which says how wide its components are and, where there is no row,
+                how many; None for as wide as these need.
+
+        Raises:
+            OverflowError: a component is wider than any of the design.
+        """
+        columns = 2 + len(COMPONENTS if design is None else design.components)
+        table = np.array([*rows] or np.empty((0, columns)), object)
+        return cls(
+            table[:, 0].astype(np.int64),
+            table[:, 1].astype(np.int64),
+            as_integers(table[:, 2:], None if design is None else component_limbs(design)),
+        )
+
+    @classmethod
+    def from_results(cls, results: Iterable[Result], design: Design | None = None) -> VectorBlock:
         """Collect results of the reference model.
 
         Args:
             results: of one design.
-            dtype: of the components; object if not given.
-            components: how many there are, told where there may be no result.
+            design: as for `from_rows`.
         """
-        dtype = dtype or np.dtype(object)
-        if not results:
-            return cls.empty(dtype, components)
-        rows = np.array([result.row() for result in results], dtype=object)
-        return cls(
-            rows[:, 0].astype(np.int64), rows[:, 1].astype(np.int64), rows[:, 2:].astype(dtype)
-        )
+        return cls.from_rows((result.row() for result in results), design)
 
     @classmethod
     def concatenate(cls, blocks: Sequence[VectorBlock]) -> VectorBlock:
@@ -86,7 +93,7 @@ class VectorBlock(Table):
         return cls(
             np.concatenate([block.major for block in blocks]),
             np.concatenate([block.status for block in blocks]),
-            np.concatenate([block.components for block in blocks]),
+            concatenate([block.components for block in blocks]),
             np.concatenate(times) if times else None,
         )
 
@@ -98,7 +105,7 @@ class VectorBlock(Table):
         """Names of the columns of its rows."""
         return HIGH_RESOLUTION_COLUMNS[: 2 + self.components.shape[1]]
 
-    def vector(self, name: str) -> NDArray[np.generic]:
+    def vector(self, name: str) -> Integers:
         """A vector by its name, (R, 3).
 
         Raises:
@@ -110,7 +117,7 @@ class VectorBlock(Table):
     def named_columns(self) -> dict[str, NDArray[Any]]:
         """`major`, `status`, the components, and `time_s` (s) where the log had stamps."""
         columns: dict[str, NDArray[Any]] = {"major": self.major, "status": self.status}
-        columns |= vector_columns(self.columns[2:], self.components)
+        columns |= vector_columns(self.columns[2:], np.asarray(self.components))
         return columns if self.times is None else columns | {"time_s": self.times}
 
     def to_numpy(self) -> NDArray[Any]:
@@ -119,7 +126,7 @@ class VectorBlock(Table):
         The dtype is int64, or object (Python integers) where the design has a component of more
         than 64 bits.
         """
-        return np.column_stack([self.major, self.status, self.components])
+        return np.column_stack([self.major, self.status, np.asarray(self.components)])
 
     def rows(self) -> Iterator[tuple[int, ...]]:
         """Python integers in the order of `columns`, row by row."""

@@ -19,6 +19,7 @@ from sculler_model.design import STATUS_FAULT, STATUS_RAIL, STATUS_SHORT_HISTORY
 from sculler_model.errors import InputError
 from sculler_model.fast.arithmetic import BLOCK, FEW_MINORS, Arithmetic, Counts
 from sculler_model.fast.blocks import VectorBlock
+from sculler_model.fast.wide import Integers, from_limbs, limbs_of
 from sculler_model.golden import check_widths
 
 THREADS = min(os.cpu_count() or 1, 4)
@@ -86,7 +87,7 @@ class FastModel:
             self._kept.append(counts.copy())
             self._faulty = faulty
             self.samples += len(counts)
-            return VectorBlock.empty(self._arithmetic.dtype, len(self.design.components))
+            return VectorBlock.from_rows([], self.design)
 
         kept = np.concatenate(self._kept, dtype=np.int64)
 
@@ -113,7 +114,7 @@ class FastModel:
 
     def _computed(
         self, rows: Callable[[int, int], Counts], majors: int
-    ) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    ) -> tuple[Integers, NDArray[np.bool_]]:
         """Components of major intervals, and whether each has a count at an end of its width.
 
         Args:
@@ -122,7 +123,8 @@ class FastModel:
         """
         span, history = self.design.samples_per_major, self._arithmetic.history
         rails = np.empty(majors, np.bool_)
-        components = np.empty((majors, len(self.design.components)), self._arithmetic.dtype)
+        limbs = self._arithmetic.limbs
+        components = np.empty((majors, len(self.design.components), limbs), np.int64)
         idle = SimpleQueue[Arithmetic]()
         for arithmetic in self._arithmetics:
             idle.put(arithmetic)
@@ -132,7 +134,7 @@ class FastModel:
             try:
                 last = min(first + arithmetic.majors, majors)
                 block = rows(first * span, last * span + history)
-                components[first:last] = arithmetic.components(block)
+                components[first:last] = limbs_of(arithmetic.components(block))
                 rails[first:last] = self._at_rail(block[history:])
             finally:
                 idle.put(arithmetic)
@@ -146,7 +148,7 @@ class FastModel:
             with ThreadPoolExecutor(len(self._arithmetics)) as pool:
                 for _ in pool.map(compute, blocks):
                     pass
-        return components, rails
+        return from_limbs(components), rails
 
     def _check_widths(self, counts: Counts, first: int) -> None:
         """See that all counts, the first of which belong to sample `first`, fit the sensors."""

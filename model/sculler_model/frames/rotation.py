@@ -98,8 +98,8 @@ def from_rotation_vector(phi: Vector) -> Quaternion:
     x, y, z = phi
     square = x * x + y * y + z * z
     if square < 1e-4:  # sin(a/2)/a by series, the next terms are below 3e-17
-        half_sinc = 0.5 - square * (1 / 48 - square / 3840)
-        w = 1 - square * (1 / 8 - square / 384)
+        half_sinc = 0.5 - square * (1 / 48 - square * (1 / 3840))
+        w = 1 - square * (1 / 8 - square * (1 / 384))
     else:
         angle = sqrt(square)
         half_sinc, w = sin(0.5 * angle) / angle, cos(0.5 * angle)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from sculler_hdl import timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.fast import VectorBlock
+from sculler_model.fast import Integers, VectorBlock, from_limbs
 from sculler_model.golden import WORD_BITS, result_ports, words_per_column, words_per_result
 from sculler_model.outputs import replacing
 from sculler_sim.engines.verilator_build import build, limbs
@@ -216,16 +216,10 @@ class _Core:
         limbs = (extended.reshape(len(words), self._columns, -1, parts) << shifts).sum(axis=3)
         return np.hstack([limbs[:, :2, 0], limbs[:, 2:].reshape(len(words), -1)])
 
-    def _components(self, rows: NDArray[np.uint64]) -> NDArray[Any]:
+    def _components(self, rows: NDArray[np.uint64]) -> Integers:
         """(R, components) integers from two's-complement limbs, lowest first."""
-        parts = rows[:, 2:].reshape(len(rows), self._columns - 2, -1)
-        top = parts[:, :, -1].astype(np.int64)
-        if parts.shape[2] == 1:
-            return top
-        value = top.astype(object)
-        for i in range(parts.shape[2] - 2, -1, -1):
-            value = (value << 64) | parts[:, :, i].astype(object)
-        return value
+        limbs = rows[:, 2:].astype(np.int64)
+        return from_limbs(limbs.reshape(len(rows), self._columns - 2, -1))
 
 
 def _require_room(wave: Path) -> None:
