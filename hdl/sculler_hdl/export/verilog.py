@@ -17,9 +17,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from amaranth.back import rtlil
-
 from sculler_hdl.core import Core, build_core
+from sculler_hdl.export.conversion import rare_collection, to_rtlil
 from sculler_hdl.export.hierarchy import plain_modules
 from sculler_hdl.export.manifest import Manifest, make_manifest, module_ports
 from sculler_hdl.export.parts import Elaborated, Part
@@ -59,9 +58,10 @@ def generate(design: Design) -> Generated:
         InputError: `hardware.multipliers` are too few.
         ToolError: Yosys failed.
     """
-    core = build_core(design)
     ports = module_ports(design)
-    modules = _modules(core, [port.name for port in ports])
+    with rare_collection():
+        core = build_core(design)
+        modules = _modules(core, [port.name for port in ports])
     verilog = wrapped("\n".join([_header(design, core.timing, ports), *modules, _END]))
     checksum = hashlib.sha256(verilog.encode()).hexdigest()
     manifest = make_manifest(core, checksum)
@@ -72,7 +72,7 @@ def _modules(core: Core, ports: Sequence[str]) -> list[str]:
     """The text of each module, the core's first."""
     name, initial = core.design.name, core.design.has_initial_values
     elaborated = Elaborated(core)
-    text = rtlil.convert(elaborated, name=name, emit_src=False)
+    text = to_rtlil(elaborated, name)
     places = elaborated.parts(name)
     parts = {  # where a signal has a part's name, Amaranth adds a number to that of the part
         module: places.get(re.sub(r"\$\d+", "", module[1:]), Part("memory", frozenset(), ()))
