@@ -17,16 +17,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from amaranth.back import rtlil
-
 from sculler_hdl.core import Core, build_core
+from sculler_hdl.export.conversion import rare_collection, to_rtlil
 from sculler_hdl.export.hierarchy import plain_modules
 from sculler_hdl.export.manifest import Manifest, make_manifest, module_ports
 from sculler_hdl.export.parts import Elaborated, Part
 from sculler_hdl.export.port_names import with_signature_names
 from sculler_hdl.export.rtlil_text import read_modules
 from sculler_hdl.export.rtlil_widths import equal_widths
-from sculler_hdl.export.verilog_text import read_verilog, tidy
+from sculler_hdl.export.verilog_text import read_verilog, tidy, wrapped
 from sculler_hdl.plan.ports import Port
 from sculler_hdl.targets import cell_models
 from sculler_model.design import Design
@@ -59,10 +58,11 @@ def generate(design: Design) -> Generated:
         InputError: `hardware.multipliers` are too few.
         ToolError: Yosys failed.
     """
-    core = build_core(design)
     ports = module_ports(design)
-    modules = _modules(core, [port.name for port in ports])
-    verilog = "\n".join([_header(design, core.timing, ports), *modules, _END])
+    with rare_collection():
+        core = build_core(design)
+        modules = _modules(core, [port.name for port in ports])
+    verilog = wrapped("\n".join([_header(design, core.timing, ports), *modules, _END]))
     checksum = hashlib.sha256(verilog.encode()).hexdigest()
     manifest = make_manifest(core, checksum)
     return Generated(verilog, manifest, _cells(verilog), core.listing)
@@ -72,7 +72,7 @@ def _modules(core: Core, ports: Sequence[str]) -> list[str]:
     """The text of each module, the core's first."""
     name, initial = core.design.name, core.design.has_initial_values
     elaborated = Elaborated(core)
-    text = rtlil.convert(elaborated, name=name, emit_src=False)
+    text = to_rtlil(elaborated, name)
     places = elaborated.parts(name)
     parts = {  # where a signal has a part's name, Amaranth adds a number to that of the part
         module: places.get(re.sub(r"\$\d+", "", module[1:]), Part("memory", frozenset(), ()))
