@@ -20,6 +20,7 @@ from sculler_hdl.targets import TARGETS
 from sculler_model.design import Design
 from sculler_model.golden import CycleModel, Ports, words_per_result
 from strategies import DESIGNS, samples_of, with_hardware
+from tiers import cover, few_of
 
 
 def compact(design, **hardware):
@@ -85,14 +86,20 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("name", "hardware", "clocks"),
-    CASES,
-    ids=[f"{n}-{'-'.join(map(str, h.values()))}" for n, h, _ in CASES],
-)
-def test_every_port_on_every_clock(name, hardware, clocks):
+CORES = {
+    f"{name}-{'-'.join(map(str, hardware.values()))}": (
+        compact((DESIGNS | HIGH_RESOLUTION)[name], **hardware),
+        clocks,
+    )
+    for name, hardware, clocks in CASES
+}
+COVER = cover({name: design for name, (design, _) in CORES.items()})
+
+
+@pytest.mark.parametrize("name", few_of(list(CORES), COVER))
+def test_every_port_on_every_clock(name):
     """With stalls on both sides, faults, and resets in the middle of everything."""
-    design = compact((DESIGNS | HIGH_RESOLUTION)[name], **hardware)
+    design, clocks = CORES[name]
     resets = (0, 400, 401, 402, 700)
     run = Watched(design, 1, offered=0.6, taken=0.8, resets=resets).run(clocks)
     assert run.samples > 4

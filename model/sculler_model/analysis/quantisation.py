@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 TRIAL_SAMPLES = 4000
 """Samples of a trial, at least."""
 
-TOGETHER = 1 << 17
+TOGETHER = 1 << 16
 """Samples of trials that go through the core at once."""
 
 
@@ -186,8 +186,9 @@ def monte_carlo(
         some = drawn[first : first + at_once]
         counts, turned = record.counts(some)
         block = core.feed(counts.reshape(-1, 6))
-        added.append(record.coning(block, some) / record.seconds)
-        largest = max(largest, record.angle_error(block, turned))
+        alpha = record.alpha(block)
+        added.append(record.coning(block, alpha, some) / record.seconds)
+        largest = max(largest, float(np.abs(alpha.sum(axis=2).T - turned).max()))
         if advance is not None:
             advance(len(some))
     drifts = np.concatenate(added)
@@ -290,31 +291,38 @@ class _Record:
             np.subtract(angle[:, 1:], angle[:, :-1], out=counts[:, :, axis], casting="unsafe")
         return counts, turned
 
-    def coning(self, block: VectorBlock, drawn: Array) -> Array:
+    def coning(self, block: VectorBlock, alpha: Array, drawn: Array) -> Array:
         """Coning of each record about z less what it truly is and what the table leaves, (T,) rad.
 
         To second order, as `host.second_order_corrections` puts intervals together.
+
+        Args:
+            block: of the trials.
+            alpha: (3, T, R) LSB of its records, of `alpha`.
+            drawn: of the trials.
         """
-        table, g = self.design.table, self.design.gyro_scale
-        x, y = self._of_records(block, "alpha")[:2] * (g / table.sum_denominator)
+        table = self.design.table
+        x, y, _ = alpha
         before_x, before_y = np.cumsum(x, axis=1) - x, np.cumsum(y, axis=1) - y
         apart = 0.5 * (before_x * y - before_y * x)
-        apart += g * g / table.denominator * self._of_records(block, "coning_within")[2]
-        share = g * g / (2 * table.sum_denominator**2)
-        apart += share * self._of_records(block, "coning_between")[2]
-        whole: Array = apart.sum(axis=1) - self._known * self.seconds * np.sin(drawn[:, 0]) ** 2
+        apart += self._of_records(block, "coning_within", 2) / table.denominator
+        if self.design.algorithm.minors > 1:
+            between = self._of_records(block, "coning_between", 2)
+            apart += between / (2 * table.sum_denominator**2)
+        known = self._known * self.seconds * np.sin(drawn[:, 0]) ** 2
+        whole: Array = self.design.gyro_scale**2 * apart.sum(axis=1) - known
         return whole
 
-    def angle_error(self, block: VectorBlock, turned: Array) -> float:
-        """Largest error of a record's angle about an axis, LSB."""
-        alpha = self._of_records(block, "alpha").sum(axis=2).T / self.design.table.sum_denominator
-        return float(np.abs(alpha - turned).max())
+    def alpha(self, block: VectorBlock) -> Array:
+        """Angles of the major intervals of the trials' records, (3, T, R) LSB."""
+        axes = [self._of_records(block, "alpha", axis) for axis in range(3)]
+        return np.stack(axes) / self.design.table.sum_denominator
 
-    def _of_records(self, block: VectorBlock, vector: str) -> Array:
-        """A vector of the trials' records, (3, T, R), as floats."""
+    def _of_records(self, block: VectorBlock, vector: str, axis: int) -> Array:
+        """A component of the trials' records, (T, R), as floats."""
         majors = self.length // self.design.samples_per_major
-        values = block.vector(vector).astype(np.float64).reshape(-1, majors, 3)
-        return values[:, self._before :].transpose(2, 0, 1)
+        values = block.vector(vector)[:, axis].astype(np.float64)
+        return values.reshape(-1, majors)[:, self._before :]
 
 
 def levels(design: Design, half_angle: float, hertz: float, count: int) -> list[float]:

@@ -214,6 +214,14 @@ struct Progress {
 
 EXPORT Core* sculler_create(const char* wave) {
     auto core = std::make_unique<Core>();
+#ifdef SCULLER_RESET_FIRST
+    // A core without initial values: one clock of reset, which is not counted.
+    core->top.rst = 1;
+    core->low();
+    core->rise();
+    core->top.rst = 0;
+    core->clocks = 0;
+#endif
 #ifdef SCULLER_TRACE
     core->top.trace(&core->wave, 99);
     core->wave.set_time_unit("1ns");

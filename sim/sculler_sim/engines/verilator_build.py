@@ -206,6 +206,8 @@ def _harness(design: Design, wave: _Wave | None) -> str:
             f"#define SCULLER_RESULTS(X) {_each(component_ports(design))}",
             f"#define SCULLER_LIMBS {limbs(design)}",
         ]
+    if not design.has_initial_values:
+        lines += ["#define SCULLER_RESET_FIRST"]
     if design.drops_results:
         lines += ["#define SCULLER_DROPS", f"#define SCULLER_MAJOR {words_per_column(design)}"]
     code = (
