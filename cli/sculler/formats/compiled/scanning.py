@@ -78,7 +78,7 @@ def scan_log(
     return row
 
 
-def scan_word(text: Bytes, at: int) -> tuple[Any, int]:
+def scan_word(text: Bytes, at: int) -> tuple[Any, Any]:
     """A whole number of up to 64 bits at a place, and the place after it; -1 for no such."""
     negative = text[at] == 45
     begin = np.uint64(at) + np.uint64(negative)
