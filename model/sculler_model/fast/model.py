@@ -67,6 +67,7 @@ class FastModel:
         design: the design.
         block: samples computed at a time; makes no difference to the results.
         few_minors: see `Arithmetic`; makes none either.
+        threads: blocks computed at the same time; `THREADS` if left out.
         compiled: whether to go through Numba; if left out, where it is installed and there have
             been `WORTH_COMPILING` samples.
 
@@ -84,12 +85,14 @@ class FastModel:
         *,
         block: int = BLOCK,
         few_minors: int = FEW_MINORS,
+        threads: int = THREADS,
         compiled: bool | None = None,
     ) -> None:
         self.design = design
         self._block = max(block // design.samples_per_major, 1)
-        self._arithmetics = [Arithmetic(design, block, few_minors) for _ in range(THREADS)]
+        self._arithmetics = [Arithmetic(design, block, few_minors) for _ in range(threads)]
         self._arithmetic = self._arithmetics[0]
+        self._threads = threads
         self._compiled = compiled
         self._kernel: Kernel | None = None
         self._taken = 0  # samples, whether or not reset
@@ -174,7 +177,7 @@ class FastModel:
             # first what reaches into the rows that were kept, which must be copied
             head = min(-(-len(rows.kept) // span), majors)
             edges = sorted({0, *range(head, majors, self._block), majors})
-            _share(partial(self._by_kernel, kernel, rows, results, rails), edges)
+            _share(partial(self._by_kernel, kernel, rows, results, rails), edges, self._threads)
         return from_limbs(results), rails
 
     def _by_kernel(
@@ -219,7 +222,7 @@ class FastModel:
             rails[first:last] = self._at_rail(block[history:])
 
         majors = len(results)
-        _share(compute, [*range(0, majors, self._arithmetic.majors), majors])
+        _share(compute, [*range(0, majors, self._arithmetic.majors), majors], self._threads)
 
     def _kernel_if_worth(self, rows: _Rows) -> Kernel | None:
         """The kernel, if Numba is there and with these samples there are enough."""
@@ -272,14 +275,15 @@ def kernel_class() -> type[Kernel] | None:
     return Kernel
 
 
-def _share(compute: Callable[[int, int], None], edges: Sequence[int]) -> None:
+def _share(compute: Callable[[int, int], None], edges: Sequence[int], threads: int) -> None:
     """Compute what lies between the edges, on several threads."""
-    if len(edges) == 2:
-        compute(*edges)
+    if len(edges) == 2 or threads == 1:
+        for edge in pairwise(edges):
+            compute(*edge)
         return
     # numpy and the kernel let go of the interpreter, so threads share the blocks out; `map` gives
     # their ends in order, and so the first block's fault
-    with ThreadPoolExecutor(THREADS) as pool:
+    with ThreadPoolExecutor(threads) as pool:
         for _ in pool.map(lambda edge: compute(*edge), pairwise(edges)):
             pass
 
