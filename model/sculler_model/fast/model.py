@@ -115,6 +115,11 @@ class FastModel:
         """Samples in the incomplete major interval so far."""
         return self.samples % self.design.samples_per_major
 
+    @property
+    def lacks_numba(self) -> bool:
+        """Whether there were samples enough to be compiled for, but Numba is missing."""
+        return self._taken >= WORTH_COMPILING and kernel_class() is None
+
     def feed(self, counts: ArrayLike, faults: ArrayLike | None = None) -> VectorBlock:
         """Take consecutive samples and return the major intervals they complete.
 
