@@ -59,6 +59,9 @@ def _surroundings() -> Iterator[None]:
         for name in (*_LOCALE, *_COLOURS, *_OTHERS):
             patch.delenv(name, raising=False)
         patch.setenv("LC_ALL", "C")
+        if not os.access(os.path.expanduser("~"), os.W_OK):  # noqa: PTH111 (there may be none)
+            # Yosys and nextpnr are translated at their first start, and that is kept
+            patch.setenv("XDG_CACHE_HOME", str(CACHE / "home"))
         _use_quick_compiler(patch)
         patch.setattr(verilog, "subprocess", quick_yosys)
         yield

@@ -72,24 +72,30 @@ STUDIES = (
 )
 
 
-class _Side:
-    """A process that runs studies with a tree's packages, one after another as it is told."""
+class Side:
+    """A process that runs studies with a tree's packages, one after another as it is told.
+
+    It starts with the first one.
+    """
 
     def __init__(self, tree: Path) -> None:
-        self._process = subprocess.Popen(
-            [sys.executable, "-c", _SIDE],
-            env=before.environment(tree),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
+        self._tree = tree
+        self._process: subprocess.Popen[str] | None = None
 
     def run(self, job: str) -> None:
-        """Run one and wait for its end.
+        """Run one and wait for its end: the name of a preset for a Monte Carlo, or of `STUDIES`.
 
         Raises:
             RuntimeError: it failed.
         """
+        if self._process is None:
+            self._process = subprocess.Popen(
+                [sys.executable, "-c", _SIDE],
+                env=before.environment(self._tree),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                text=True,
+            )
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._process.stdin.write(job + "\n")
@@ -98,15 +104,16 @@ class _Side:
             raise RuntimeError(f"{job}: the study failed")
 
     def __del__(self) -> None:
-        self._process.communicate()  # its input's end is its own
+        if self._process is not None:
+            self._process.communicate()  # its input's end is its own
 
 
 def contests(folder: Path) -> list[Contest]:
     """Monte Carlo of every preset, and every other study of one of them."""
-    ours = _Side(before.REPOSITORY)
+    ours = Side(before.REPOSITORY)
     theirs, missing = None, None
     try:
-        theirs = _Side(before.tree(folder))
+        theirs = Side(before.tree(folder))
     except InputError as error:
         missing = str(error)
 

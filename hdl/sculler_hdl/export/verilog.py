@@ -25,7 +25,7 @@ from sculler_hdl.export.parts import Elaborated, Part
 from sculler_hdl.export.port_names import with_signature_names
 from sculler_hdl.export.rtlil_text import read_modules
 from sculler_hdl.export.rtlil_widths import equal_widths
-from sculler_hdl.export.verilog_text import read_verilog, tidy
+from sculler_hdl.export.verilog_text import read_verilog, tidy, wrapped
 from sculler_hdl.plan.ports import Port
 from sculler_hdl.targets import cell_models
 from sculler_model.design import Design
@@ -62,7 +62,7 @@ def generate(design: Design) -> Generated:
     with rare_collection():
         core = build_core(design)
         modules = _modules(core, [port.name for port in ports])
-    verilog = "\n".join([_header(design, core.timing, ports), *modules, _END])
+    verilog = wrapped("\n".join([_header(design, core.timing, ports), *modules, _END]))
     checksum = hashlib.sha256(verilog.encode()).hexdigest()
     manifest = make_manifest(core, checksum)
     return Generated(verilog, manifest, _cells(verilog), core.listing)

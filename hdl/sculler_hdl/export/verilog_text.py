@@ -8,7 +8,7 @@ make sure of it.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 _MODULE = re.compile(
     r"^module (?P<name>\w+)\((?P<ports>.*?)\);\n(?P<body>.*?)^endmodule$", re.M | re.S
@@ -17,6 +17,27 @@ _DECLARED = re.compile(
     r"  (?P<kind>input|output|wire|reg) (?P<range>\[\d+:0\] )?(?P<name>\w+)"
     r"(?P<words> \[\d+:0\])?(?: = (?P<init>[^;]+))?;$"
 )
+
+
+WIDEST = 100
+"""Characters of a line."""
+
+
+def wrapped(text: str) -> str:
+    """The text with no line longer than `WIDEST`, as far as it can be broken."""
+    return "".join(f"{part}\n" for line in text.splitlines() for part in _parts(line))
+
+
+def _parts(line: str) -> Iterator[str]:
+    margin = re.match(r"(?:// ?)? *", line)
+    indent = (margin[0] if margin else "") + "    "
+    while len(line) > WIDEST:
+        end = max(line.rfind(mark, len(indent), WIDEST) + 1 for mark in (" ", "("))
+        if end <= len(indent):
+            break
+        yield line[:end].rstrip()
+        line = indent + line[end:]
+    yield line
 
 
 def read_verilog(text: str) -> dict[str, str]:
@@ -63,9 +84,10 @@ def tidy(
             (registers if kind == "reg" else wires).append(f"  {kind} {width}{name};")
         if declared["init"] and initial:
             starts.append(f"  initial {name} = {declared['init']};")
-    body = "\n".join(rest)
+    body = re.sub(r"^  function (?=\[)", "  function automatic ", "\n".join(rest), flags=re.M)
     if not initial:
         body = re.sub(r"^  initial begin\n.*?^  end\n", "", body, flags=re.M | re.S)
     listed = ",\n".join(f"  {heads[port]}" for port in order)
     lines = [*(f"// {line}".rstrip() for line in note), f"module {found['name']} (", listed, ");"]
-    return "\n".join([*lines, *registers, *wires, *starts, body, "endmodule", ""])
+    text = "\n".join([*lines, *registers, *wires, *starts, body, "endmodule", ""])
+    return re.sub(r"\b(\d+)'h0{20,}\b", r"{\1{1'h0}}", text)

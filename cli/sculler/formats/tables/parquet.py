@@ -94,13 +94,13 @@ class ParquetReader:
             raise InputError(f"{self._path}: row {row + 1}: {name} is empty, give a number")
         kind = array.type
         if pa.types.is_decimal(kind) and kind.scale == 0 and kind.byte_width in (16, 32):
-            return _values(array, np.int64, kind.byte_width // 8)
+            return values(array, np.int64, kind.byte_width // 8)
         if pa.types.is_fixed_size_list(kind) and pa.types.is_int64(kind.value_type):
             return self._listed(array, name, first)
         if pa.types.is_boolean(kind):
-            return _values(array.cast(pa.uint8()), np.bool_)
+            return values(array.cast(pa.uint8()), np.bool_)
         if pa.types.is_integer(kind) or pa.types.is_floating(kind):
-            return _values(array, _FLOATS.get(str(kind), str(kind)))
+            return values(array)
         raise InputError(f"{self._path}: {name} is of type {kind}, give numbers")
 
     def _listed(self, array: Any, name: str, first: int) -> NDArray[np.int64]:
@@ -109,15 +109,23 @@ class ParquetReader:
             raise InputError(
                 f"{self._path}: a limb of {name} after row {first} is empty, give int64"
             )
-        return _values(limbs, np.int64).reshape(len(array), array.type.list_size)
+        return values(limbs, np.int64).reshape(len(array), array.type.list_size)
 
     def close(self) -> None:
         """Close the file."""
         self._file.close()
 
 
-def _values(array: Any, kind: Any, width: int = 1) -> NDArray[Any]:
-    """The memory of an array without empty cells; its `to_numpy` loads pandas where it is there."""
+def values(array: Any, kind: Any = None, width: int = 1) -> NDArray[Any]:
+    """The memory of an Arrow array without empty cells, whose `to_numpy` may load pandas.
+
+    Args:
+        array: of numbers.
+        kind: numpy's type of a number; None for the array's own.
+        width: numbers in a cell.
+    """
+    if kind is None:
+        kind = _FLOATS.get(str(array.type), str(array.type))
     cell = width * np.dtype(kind).itemsize
     numbers = np.frombuffer(
         array.buffers()[1], kind, count=width * len(array), offset=array.offset * cell
