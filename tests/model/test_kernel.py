@@ -102,6 +102,11 @@ def test_it_is_taken_once_there_are_enough_samples(monkeypatch: pytest.MonkeyPat
     assert model._kernel is None
     model.feed(counts[99:])
     assert model._kernel is not None
+    for expected, taken in ((99, False), (100, True)):
+        model = FastModel(design, expected=expected)
+        model.feed(counts[:10])
+        model.feed(counts[10:20])
+        assert (model._kernel is not None) == taken
     whole = FastModel(design, compiled=True).feed(counts)
     by_numpy = FastModel(design, compiled=False).feed(counts)
     assert np.array_equal(limbs_of(whole.components), limbs_of(by_numpy.components))

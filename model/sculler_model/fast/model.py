@@ -70,6 +70,7 @@ class FastModel:
         threads: blocks computed at the same time; `THREADS` if left out.
         compiled: whether to go through Numba; if left out, where it is installed and there have
             been `WORTH_COMPILING` samples.
+        expected: samples that will come, if known; so many need not be waited for.
 
     Attributes:
         design: the design.
@@ -87,6 +88,7 @@ class FastModel:
         few_minors: int = FEW_MINORS,
         threads: int = THREADS,
         compiled: bool | None = None,
+        expected: int = 0,
     ) -> None:
         self.design = design
         self._block = max(block // design.samples_per_major, 1)
@@ -96,6 +98,7 @@ class FastModel:
         self._compiled = compiled
         self._kernel: Kernel | None = None
         self._taken = 0  # samples, whether or not reset
+        self._expected = expected
         if compiled:
             kernel = kernel_class()
             if kernel is None:
@@ -231,7 +234,7 @@ class FastModel:
 
     def _kernel_if_worth(self, rows: _Rows) -> Kernel | None:
         """The kernel, if Numba is there and with these samples there are enough."""
-        worth = self._taken + len(rows.counts) >= WORTH_COMPILING
+        worth = max(self._taken + len(rows.counts), self._expected) >= WORTH_COMPILING
         if self._kernel is None and self._compiled is None and worth:
             kernel = kernel_class()
             self._kernel = None if kernel is None else kernel(self.design)
