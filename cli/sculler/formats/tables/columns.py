@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Block = Mapping[str, NDArray[Any]]
 """Rows of some columns: (R,) numbers, or (R, W) int64 limbs of wide whole numbers."""
 
-BLOCK_ROWS = 1 << 15
+BLOCK_ROWS = 1 << 16
 """Rows read at a time."""
 
 
