@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.formats import lines
-from sculler.formats.compiled import Kernels, kernels
+from sculler.formats.compiled import WORTH_READING, Kernels, kernels
 from sculler.formats.compiled.printing import FLOAT_BYTES, WHOLE_BYTES
 from sculler.formats.compiled.scanning import FAULT as FAULT_KIND
 from sculler.formats.compiled.scanning import SEQUENCE as SEQUENCE_KIND
@@ -44,7 +44,7 @@ from sculler_model.errors import InputError
 
 _INTEGER = re.compile(rb"[ \t]*[+-]?[0-9]+[ \t]*")
 _DECIMAL = re.compile(rb"[ \t]*[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*")
-_BLOCKS = 8  # of `lines.BLOCK_BYTES` parsed at a time by compiled loops, which need no arrays
+_BLOCKS = 8  # of `lines.BLOCK_BYTES` of a large file, which compiled loops parse without arrays
 _MAX_HEADER = 4096  # bytes; a binary file may have no line end for long
 _KINDS = {FAULT: FAULT_KIND, TIME: TIME_KIND, SEQUENCE: SEQUENCE_KIND}
 
@@ -232,7 +232,8 @@ def _chunks(
     header = file.readline(_MAX_HEADER)
     layout.read_header(header.rstrip(b"\r\n"))
     line, seen = 2, 0
-    together = lines.BLOCK_BYTES * (_BLOCKS if kernels(size) is not None else 1)
+    large = size >= WORTH_READING and kernels(size) is not None
+    together = lines.BLOCK_BYTES * (_BLOCKS if large else 1)
     for block in lines.whole_lines(file, layout.name, together):
         seen += len(block)
         if advance is not None:
