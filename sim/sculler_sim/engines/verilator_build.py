@@ -28,7 +28,7 @@ _VERILATOR_FLAGS = (
     " --prefix Vcore --Mdir model -Wno-lint -Wno-style -Wno-fatal"
 ).split()
 _FLAGS = "-std=c++17 -fPIC -fvisibility=hidden -pthread".split()
-_CORE_FLAGS = [*_FLAGS, "-O1"]
+_CORE_FLAGS = [*_FLAGS, "-O2", "-fno-tree-vectorize"]  # vectors only cost: no loop is long
 _RUNTIME_FLAGS = [*_FLAGS, "-O1"]  # Verilator's own code, which a running model hardly calls
 
 _EXACT_ROOMS = ("algorithms", "design", "golden")  # of sculler_model
@@ -200,16 +200,17 @@ def _harness(design: Design, wave: _Wave | None) -> str:
         lines += [f'#include "{wave.header}"', f"#define SCULLER_TRACE {wave.writer}"]
         lines += ["#define SCULLER_VCD"] * (wave.writer == "VerilatedVcdC")
     if design.hardware.handover == "stream":
-        lines += [f"#define SCULLER_WORDS {words_per_result(design)}"]
-    else:
         lines += [
-            f"#define SCULLER_RESULTS(X) {_each(component_ports(design))}",
-            f"#define SCULLER_LIMBS {limbs(design)}",
+            f"#define SCULLER_WORDS {words_per_result(design)}",
+            f"#define SCULLER_COLUMN {words_per_column(design)}",
         ]
+    else:
+        lines += [f"#define SCULLER_RESULTS(X) {_each(component_ports(design))}"]
+    lines += [f"#define SCULLER_LIMBS {limbs(design)}"]
     if not design.has_initial_values:
         lines += ["#define SCULLER_RESET_FIRST"]
     if design.drops_results:
-        lines += ["#define SCULLER_DROPS", f"#define SCULLER_MAJOR {words_per_column(design)}"]
+        lines += ["#define SCULLER_DROPS"]
     code = (
         resources.files("sculler_sim")
         .joinpath("engines", "harness.cpp")
