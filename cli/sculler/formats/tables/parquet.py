@@ -16,7 +16,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.formats.tables.columns import BLOCK_ROWS, Block, Column, limbs_of, stored
+from sculler.formats.tables.columns import (
+    BLOCK_ROWS,
+    Block,
+    Column,
+    limbs_of,
+    rows_together,
+    stored,
+)
 from sculler_model.errors import InputError
 
 _GROUP_BYTES = 4 << 20  # of a row group, before it is coded
@@ -71,11 +78,11 @@ class ParquetReader:
 
     def blocks(self, names: Sequence[str]) -> Iterator[Block]:
         """Columns, some rows at a time."""
-        first = 0
+        first, together = 0, rows_together(names, BLOCK_ROWS)
         with _damage_told(self._path):
             try:
                 for batch in self._file.iter_batches(
-                    BLOCK_ROWS, columns=list(names), use_threads=False
+                    together, columns=list(names), use_threads=False
                 ):
                     if batch.num_rows:
                         yield {name: self._numbers(batch, name, first) for name in names}
