@@ -20,7 +20,10 @@ INPUT_COLUMNS = tuple(f"{sensor}_{axis}" for sensor in ("gyro", "accel") for axi
 _FRACTION_BITS = 42
 _HALF = 1 << (_FRACTION_BITS - 1)
 BLOCK = 1 << 19
-"""Samples quantised at a time: so many fractions, each below 2**42, sum to less than 2**62."""
+"""Most samples at a time: so many fractions, each below 2**42, sum to less than 2**62."""
+
+_IN_CACHE = 1 << 12
+"""Samples at a time that a processor's cache holds with all that is made of them."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,7 @@ class Quantiser:
         block: samples quantised at a time, at most `BLOCK`; makes no difference to the counts.
     """
 
-    def __init__(self, design: Design, block: int = BLOCK) -> None:
+    def __init__(self, design: Design, block: int = _IN_CACHE) -> None:
         self.design = design
         gyro, accel = design.sensor.gyro, design.sensor.accel
         self._lsb = np.array([gyro.lsb] * 3 + [accel.lsb] * 3)
