@@ -1,16 +1,20 @@
-"""`FastModel`: the vectorised twin of `GoldenModel`, exact for every legal design.
+"""`FastModel`: the twin of `GoldenModel` for arrays, exact for every legal design.
 
 It takes arrays of counts of any length, checks them, keeps what later results need, shares blocks
-of whole major intervals out to threads and gives them their status; `arithmetic` computes a block.
+of whole major intervals out to threads and gives them their status.  A block is computed by
+`kernel`, compiled by Numba, where that is installed and there are samples enough to be worth its
+loading; else by `arithmetic` in numpy: the same integers, more slowly.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache, partial
+from itertools import pairwise
 from queue import SimpleQueue
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,11 +26,35 @@ from sculler_model.fast.blocks import VectorBlock
 from sculler_model.fast.wide import Integers, from_limbs, limbs_of
 from sculler_model.golden import check_widths
 
+if TYPE_CHECKING:
+    from sculler_model.fast.kernel import Kernel
+
 THREADS = min(os.cpu_count() or 1, 4)
 """Blocks computed at the same time."""
 
+WORTH_COMPILING = 2_000_000
+"""Samples that numpy takes as long for as Numba takes to be loaded, for designs of some widths."""
+
 ROW = 256
 """Samples side by side where extremes are sought: numpy is quick along long rows."""
+
+
+class _Rows:
+    """Rows of counts, those that were kept first."""
+
+    def __init__(self, kept: NDArray[np.int64], counts: Counts) -> None:
+        self.kept, self.counts = kept, counts
+
+    def __len__(self) -> int:
+        return len(self.kept) + len(self.counts)
+
+    def __getitem__(self, part: slice) -> Counts:
+        """Rows start..stop-1, both told; a view where none of them was kept."""
+        first, last = (max(edge - len(self.kept), 0) for edge in (part.start, part.stop))
+        new = self.counts[first:last]
+        if part.start >= len(self.kept):
+            return new
+        return np.concatenate([self.kept[part], new], dtype=np.int64)
 
 
 class FastModel:
@@ -39,16 +67,37 @@ class FastModel:
         design: the design.
         block: samples computed at a time; makes no difference to the results.
         few_minors: see `Arithmetic`; makes none either.
+        compiled: whether to go through Numba; if left out, where it is installed and there have
+            been `WORTH_COMPILING` samples.
 
     Attributes:
         design: the design.
         samples: samples accepted since reset.
+
+    Raises:
+        InputError: `compiled` is asked for without Numba.
     """
 
-    def __init__(self, design: Design, *, block: int = BLOCK, few_minors: int = FEW_MINORS) -> None:
+    def __init__(
+        self,
+        design: Design,
+        *,
+        block: int = BLOCK,
+        few_minors: int = FEW_MINORS,
+        compiled: bool | None = None,
+    ) -> None:
         self.design = design
+        self._block = max(block // design.samples_per_major, 1)
         self._arithmetics = [Arithmetic(design, block, few_minors) for _ in range(THREADS)]
         self._arithmetic = self._arithmetics[0]
+        self._compiled = compiled
+        self._kernel: Kernel | None = None
+        self._taken = 0  # samples, whether or not reset
+        if compiled:
+            kernel = kernel_class()
+            if kernel is None:
+                raise InputError("the compiled model needs Numba: install sculler[fast]")
+            self._kernel = kernel(design)
         self.reset()
 
     def reset(self) -> None:
@@ -89,18 +138,11 @@ class FastModel:
             self.samples += len(counts)
             return VectorBlock.from_rows([], self.design)
 
-        kept = np.concatenate(self._kept, dtype=np.int64)
-
-        def rows(start: int, stop: int) -> Counts:
-            """Rows start..stop-1 of `kept` with `counts` after it, the widths checked."""
-            new = slice(max(start - len(kept), 0), max(stop - len(kept), 0))
-            self._check_widths(counts[new], self.samples + new.start)
-            if start >= len(kept):
-                return counts[new]
-            return np.concatenate([kept[start:stop], counts[new]], dtype=np.int64)
-
+        rows = _Rows(np.concatenate(self._kept, dtype=np.int64), counts)
         components, rails = self._computed(rows, majors)
-        still_needed = rows(majors * span, len(kept) + len(counts)).copy()
+        history = self._arithmetic.history
+        self._check_rows(rows, majors * span + history, len(rows))
+        still_needed = rows[majors * span : len(rows)].astype(np.int64)
 
         major = np.arange(first_major, first_major + majors, dtype=np.int64)
         status = np.where(major < self.design.short_majors, STATUS_SHORT_HISTORY, 0)
@@ -110,45 +152,88 @@ class FastModel:
 
         self._kept, self._faulty = [still_needed], faulty[~complete]
         self.samples += len(counts)
+        self._taken += len(counts)
         return VectorBlock(major, status, components)
 
-    def _computed(
-        self, rows: Callable[[int, int], Counts], majors: int
-    ) -> tuple[Integers, NDArray[np.bool_]]:
+    def _computed(self, rows: _Rows, majors: int) -> tuple[Integers, NDArray[np.bool_]]:
         """Components of major intervals, and whether each has a count at an end of its width.
 
         Args:
-            rows: rows start..stop-1 of the history and the samples after it.
-            majors: how many.
+            rows: the history and the samples after it.
+            majors: how many intervals.
         """
-        span, history = self.design.samples_per_major, self._arithmetic.history
+        span, limbs = self.design.samples_per_major, self._arithmetic.limbs
+        # the kernel writes nothing between minor intervals where there is but one
+        memory = np.zeros if self.design.algorithm.minors == 1 else np.empty
+        results = memory((majors, len(self.design.components), limbs), np.int64)
         rails = np.empty(majors, np.bool_)
-        limbs = self._arithmetic.limbs
-        components = np.empty((majors, len(self.design.components), limbs), np.int64)
+        kernel = self._kernel_if_worth(rows)
+        if kernel is None:
+            self._by_arithmetic(rows, results, rails)
+        else:
+            # first what reaches into the rows that were kept, which must be copied
+            head = min(-(-len(rows.kept) // span), majors)
+            edges = sorted({0, *range(head, majors, self._block), majors})
+            _share(partial(self._by_kernel, kernel, rows, results, rails), edges)
+        return from_limbs(results), rails
+
+    def _by_kernel(
+        self,
+        kernel: Kernel,
+        rows: _Rows,
+        results: NDArray[np.int64],
+        rails: NDArray[np.bool_],
+        first: int,
+        last: int,
+    ) -> None:
+        """Fill in the results of some major intervals."""
+        span, history = self.design.samples_per_major, self._arithmetic.history
+        begin, end = first * span, last * span + history
+        if not np.can_cast(rows.counts.dtype, np.int64):  # the greatest would wrap
+            self._check_rows(rows, begin, end)
+        narrow = np.can_cast(rows.counts.dtype, np.int32)
+        block = rows[begin:end].astype(np.int32 if narrow else np.int64, copy=False)
+        block = np.require(block, None, ["C", "A"])
+        done = first + kernel(block, history, results[first:last], rails[first:last])
+        if done < last:
+            self._check_rows(rows, done * span + history, (done + 1) * span + history)
+
+    def _by_arithmetic(
+        self, rows: _Rows, results: NDArray[np.int64], rails: NDArray[np.bool_]
+    ) -> None:
+        """Fill in all results."""
+        span, history = self.design.samples_per_major, self._arithmetic.history
         idle = SimpleQueue[Arithmetic]()
         for arithmetic in self._arithmetics:
             idle.put(arithmetic)
 
-        def compute(first: int) -> None:
+        def compute(first: int, last: int) -> None:
+            begin, end = first * span, last * span + history
+            self._check_rows(rows, begin, end)
+            block = rows[begin:end]
             arithmetic = idle.get()
             try:
-                last = min(first + arithmetic.majors, majors)
-                block = rows(first * span, last * span + history)
-                components[first:last] = limbs_of(arithmetic.components(block))
-                rails[first:last] = self._at_rail(block[history:])
+                results[first:last] = limbs_of(arithmetic.components(block))
             finally:
                 idle.put(arithmetic)
+            rails[first:last] = self._at_rail(block[history:])
 
-        blocks = range(0, majors, self._arithmetic.majors)
-        if len(blocks) == 1:
-            compute(0)
-        else:
-            # numpy lets go of the interpreter while it computes, so threads share the blocks
-            # out; `map` gives their ends in order, and so the first block's fault
-            with ThreadPoolExecutor(len(self._arithmetics)) as pool:
-                for _ in pool.map(compute, blocks):
-                    pass
-        return from_limbs(components), rails
+        majors = len(results)
+        _share(compute, [*range(0, majors, self._arithmetic.majors), majors])
+
+    def _kernel_if_worth(self, rows: _Rows) -> Kernel | None:
+        """The kernel, if Numba is there and with these samples there are enough."""
+        worth = self._taken + len(rows.counts) >= WORTH_COMPILING
+        if self._kernel is None and self._compiled is None and worth:
+            kernel = kernel_class()
+            self._kernel = None if kernel is None else kernel(self.design)
+        return self._kernel
+
+    def _check_rows(self, rows: _Rows, start: int, stop: int) -> None:
+        """See that rows start..stop-1 fit their widths; what was kept has been seen to."""
+        first = max(start - len(rows.kept), 0)
+        new = rows.counts[first : max(stop - len(rows.kept), 0)]
+        self._check_widths(new, self.samples + first)
 
     def _check_widths(self, counts: Counts, first: int) -> None:
         """See that all counts, the first of which belong to sample `first`, fit the sensors."""
@@ -173,6 +258,30 @@ class FastModel:
                     found |= rows[:, column] == count
         each: NDArray[np.bool_] = np.logical_or.reduce(found.reshape(-1, span), axis=1)
         return each
+
+
+@cache
+def kernel_class() -> type[Kernel] | None:
+    """What makes a compiled kernel of a design; None where Numba is missing."""
+    try:
+        import numba  # noqa: F401
+    except ImportError:
+        return None
+    from sculler_model.fast.kernel import Kernel
+
+    return Kernel
+
+
+def _share(compute: Callable[[int, int], None], edges: Sequence[int]) -> None:
+    """Compute what lies between the edges, on several threads."""
+    if len(edges) == 2:
+        compute(*edges)
+        return
+    # numpy and the kernel let go of the interpreter, so threads share the blocks out; `map` gives
+    # their ends in order, and so the first block's fault
+    with ThreadPoolExecutor(THREADS) as pool:
+        for _ in pool.map(lambda edge: compute(*edge), pairwise(edges)):
+            pass
 
 
 def run_fast(design: Design, counts: ArrayLike, faults: ArrayLike | None = None) -> VectorBlock:
