@@ -1,6 +1,6 @@
 # sculler: every target does its own set-up (a virtual environment in .venv).
 #   make demo    the main job end to end, files and pictures in build/demo
-#   make test    lint and the tests of every change, some seven minutes on two cores
+#   make test    lint and the tests of every change, some five minutes on two cores
 #   make test-deep  all tests, those of a release too, within an hour
 #   make test-breaks  faults made on purpose, and which test finds each (docs/explanation/testing.md)
 #   make test-lowest  the tests of what depends on others, with every dependency at its floor
@@ -17,12 +17,13 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
+TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware release-check clean setup
 .DEFAULT_GOAL := demo
 
-setup: $(READY)
+setup: $(READY) $(TOOLS)
 
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
@@ -33,16 +34,25 @@ $(READY): pyproject.toml
 	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	@touch $@
 
+# Yosys and nextpnr are WebAssembly, which is translated once, when they first start: a minute
+$(TOOLS): $(READY)
+	for tool in yosys nextpnr-ecp5 nextpnr-ice40; do $(BIN)/yowasp-$$tool --version >/dev/null 2>&1; done
+	@touch $@
+
 demo: $(READY)
 	$(BIN)/sculler demo
 
 # compiled tests are kept, or each worker would rewrite them all
 PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal
 
-test: lint
+# side by side: the type checker takes one core
+test:
+	@$(MAKE) --no-print-directory --jobs=2 lint quick
+
+quick: $(TOOLS)
 	$(PYTEST) -m "not deep" </dev/null
 
-test-deep: lint
+test-deep: lint $(TOOLS)
 	$(PYTEST) </dev/null
 
 test-breaks: $(READY)

@@ -58,3 +58,17 @@ def run_bench(design: Design, folder: Path, least: Least = LEAST) -> tuple[int, 
         assert (lost > 0) == can_stall
     assert (dropped > 0) == design.drops_results
     return results, samples, stalled
+
+
+def modules_of(verilog):
+    """The bodies of a text's modules by name."""
+    return dict(re.findall(r"^module (\w+) \((.*?)^endmodule", verilog, re.M | re.S))
+
+
+def places(top, modules):
+    """Every instance below a module: its kind, and the path of instances to it."""
+    pattern = r"^  (\w+) (?:#\(.*?\) )?(\w+) \($"
+    for kind, name in re.findall(pattern, modules[top], re.M | re.S):
+        yield kind, name
+        if kind in modules:
+            yield from ((below, f"{name}.{path}") for below, path in places(kind, modules))

@@ -31,12 +31,26 @@ def pytest_sessionstart(session: pytest.Session) -> None:
             return
 
 
+def pytest_collection_finish() -> None:
+    """Python looks for garbage rarely, and never among what was imported.
+
+    A core makes millions of objects that all stay until it is done: to look through them again and
+    again costs much.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(100_000, 20, 20)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _surroundings() -> Iterator[None]:
     """Nothing that whoever starts the tests has set changes what they see.
 
     Compiled simulators are kept in build/, not in the user's cache; programs speak English.
     """
+    import quick_yosys
+    from sculler_hdl.export import verilog
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SCULLER_CACHE", str(CACHE))
         patch.setenv("MPLCONFIGDIR", str(PICTURES))
@@ -45,7 +59,11 @@ def _surroundings() -> Iterator[None]:
         for name in (*_LOCALE, *_COLOURS, *_OTHERS):
             patch.delenv(name, raising=False)
         patch.setenv("LC_ALL", "C")
+        if not os.access(os.path.expanduser("~"), os.W_OK):  # noqa: PTH111 (there may be none)
+            # Yosys and nextpnr are translated at their first start, and that is kept
+            patch.setenv("XDG_CACHE_HOME", str(CACHE / "home"))
         _use_quick_compiler(patch)
+        patch.setattr(verilog, "subprocess", quick_yosys)
         yield
 
 
@@ -99,16 +117,3 @@ def _use_quick_compiler(patch: pytest.MonkeyPatch) -> None:
             made.chmod(0o755)
             made.replace(path)
     patch.setenv("CXX", f"'{folder / 'c++'}'")
-
-
-@pytest.fixture
-def rare_collection() -> Iterator[None]:
-    """Python looks for garbage rarely.
-
-    Elaborating a large core makes millions of objects that all stay until it is done: looking
-    through them again and again takes half the time.
-    """
-    before = gc.get_threshold()
-    gc.set_threshold(200_000, 20, 20)
-    yield
-    gc.set_threshold(*before)

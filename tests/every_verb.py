@@ -19,6 +19,13 @@ samples = 2
 minors = 2
 """
 
+SMALL = """
+[hardware]
+core = "compact"
+target = "ice40"
+"""
+"""A core of the design that has room in the device that `place` names."""
+
 COMMANDS = {
     "coefficients": "coefficients --design little.toml",
     "generate": "generate little.toml -o core",
@@ -37,7 +44,7 @@ COMMANDS = {
     "quantisation": "analyze quantisation little.toml --frequency 10",
     "third-order": "analyze third-order little.toml --frequency 10",
     "advise": "advise little.toml --coning 0.01 5 --drift 1 -o best.toml",
-    "place": "place little.toml --device iCE40UP5K --seeds 1",
+    "place": "place small.toml --device iCE40UP5K --seeds 1",
     "demo": "demo -o demo --seconds 1",
 }
 
@@ -45,6 +52,7 @@ COMMANDS = {
 def prepare(folder: Path) -> None:
     """Write what the commands read into a folder."""
     (folder / "little.toml").write_text(DESIGN)
+    (folder / "small.toml").write_text(DESIGN + SMALL)
     rows = ["0,0,0,0,0,-980"] * 24
     header = "gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z"
     (folder / "log.csv").write_text("\n".join([header, *rows, ""]))

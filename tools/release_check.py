@@ -27,13 +27,6 @@ SOURCES = ("cli/", "hdl/", "model/", "sim/")
 EXTRAS = "sim,plots,formats,fast,frames,place"
 TESTERS = ("pytest>=8.2,<10", "pytest-xdist>=3.5,<4", "hypothesis>=6.100,<7")
 
-SMALL = """
-[hardware]
-core = "compact"
-target = "ice40"
-"""
-"""A core that has room in the device that the tests name."""
-
 
 def main() -> None:
     """Every check in turn; the first that fails ends it."""
@@ -111,15 +104,13 @@ def check_full(folder: Path, wheel: Path, unpacked: Path) -> None:
     """The wheel with all its extras: every verb without anything left out; the demo; the tests."""
     here = install(folder / "full", f"{wheel}[{EXTRAS}]")
     sys.path.insert(0, str(unpacked / "tests"))
-    from every_verb import COMMANDS, DESIGN
+    from every_verb import COMMANDS
 
     work = folder / "work"
     work.mkdir()
     prepare = "import every_verb, pathlib; every_verb.prepare(pathlib.Path())"
     run(here / "python", "-c", prepare, cwd=work, PYTHONPATH=str(unpacked / "tests"))
-    (work / "small.toml").write_text(DESIGN + SMALL)
-    place = COMMANDS["place"].replace("little", "small")
-    for command in [*(COMMANDS | {"place": place}).values(), "demo"]:
+    for command in [*COMMANDS.values(), "demo"]:
         if "pip install" in run(here / "sculler", *command.split(), cwd=work):
             fail(f"sculler {command}: something is left out, with all extras")
     run(here / "pip", "install", "--quiet", *TESTERS, "pandas>=2,<4", "python-ins>=1.0,<2")

@@ -142,7 +142,11 @@ def _see_help(error: Exception, arguments: Sequence[str] | None, name: str) -> s
         return ""
     words = sys.argv[1:] if arguments is None else arguments
     verb = next((word for word in words if word in VERBS), None)
-    return f"; see '{name} {verb} --help'" if verb else ""
+    if verb is None:
+        return ""
+    below = getattr(sys.modules.get(f"sculler.commands.{verb}"), "VERBS", ())
+    called = " ".join([verb, *[word for word in words if word in below][:1]])
+    return f"; see '{name} {called} --help'"
 
 
 def _complain(message: str, status: int = BAD_INPUT) -> int:

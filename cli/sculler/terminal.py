@@ -110,9 +110,14 @@ def log_argument(command: Command) -> Command:
 
 
 def output_option(command: Command) -> Command:
-    """`-o FILE`, required."""
+    """`-o FILE`, required: a table, whose kind the ending of its name says."""
     return click.option(
-        "-o", "--output", type=OutputFile(), required=True, metavar="FILE", help="Where to write."
+        "-o",
+        "--output",
+        type=OutputFile(),
+        required=True,
+        metavar="FILE",
+        help="Where to write: .parquet, .npz, or CSV.",
     )(command)
 
 

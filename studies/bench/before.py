@@ -46,12 +46,17 @@ def run(tree: Path, arguments: Sequence[str]) -> None:
     Raises:
         RuntimeError: it failed; with what it said.
     """
-    rooms = os.pathsep.join(str(tree / room) for room in ("model", "hdl", "sim", "cli"))
     done = subprocess.run(
         [sys.executable, *arguments],
-        env={**os.environ, "PYTHONPATH": rooms},
+        env=environment(tree),
         capture_output=True,
         text=True,
     )
     if done.returncode:
         raise RuntimeError(f"{tree}: {' '.join(arguments)}: {done.stderr}")
+
+
+def environment(tree: Path) -> dict[str, str]:
+    """The environment in which an interpreter finds a tree's packages first."""
+    rooms = os.pathsep.join(str(tree / room) for room in ("model", "hdl", "sim", "cli"))
+    return {**os.environ, "PYTHONPATH": rooms}

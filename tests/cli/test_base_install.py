@@ -10,6 +10,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from importlib import metadata, util
 from pathlib import Path
 
@@ -17,6 +18,9 @@ import pytest
 
 import every_verb
 from tiers import few_of
+from warm import warm
+
+Run = Callable[[str], tuple[int, str, str]]
 
 EXTRAS = ("sim", "plots", "formats", "fast", "frames", "place")
 REQUIRED = [line.partition(";") for line in metadata.requires("sculler") or ()]
@@ -27,7 +31,7 @@ ABSENT = sorted({
 })  # fmt: skip
 """Distributions that only an extra brings."""
 
-PROGRAM = f"""
+HIDE = f"""
 import importlib.metadata as metadata, sys
 absent = {ABSENT!r}
 modules = {{name.replace("-", "_") for name in absent}}
@@ -46,8 +50,6 @@ def distribution(name):
         raise metadata.PackageNotFoundError(name)
     return real(name)
 metadata.distribution = distribution
-from sculler.main import main
-sys.exit(main())
 """
 
 
@@ -58,21 +60,36 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def sculler() -> Iterator[list[object]]:
+    """The command line without the extras."""
+    if os.environ.get("SCULLER_BASE"):
+        yield [sys.executable, "-m", "sculler"]
+        return
+    with warm(surroundings(), HIDE) as program:
+        yield [program]
+
+
+def surroundings() -> dict[str, str]:
+    return {name: value for name, value in os.environ.items() if name != "CXX"}
+
+
+@pytest.fixture
+def run(folder: Path, sculler: list[object]) -> Run:
+    """Run a command: status, stdout, stderr."""
+
+    def run(command: str) -> tuple[int, str, str]:
+        done = subprocess.run(
+            [*sculler, *command.split()],  # type: ignore[list-item]
+            cwd=folder, env=surroundings(), capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        return done.returncode, done.stdout, done.stderr
+
+    return run
+
+
 VERBS = [verb for verb in every_verb.COMMANDS if verb != "place"]
 MORE_STUDIES = ("sculling", "manoeuvre", "vibration", "quantisation", "third-order")
-
-
-def run(folder: Path, command: str) -> tuple[int, str, str]:
-    words = command.split()
-    if os.environ.get("SCULLER_BASE"):
-        call = [sys.executable, "-m", "sculler", *words]
-    else:
-        call = [sys.executable, "-c", PROGRAM, *words]
-    environment = {name: value for name, value in os.environ.items() if name != "CXX"}
-    done = subprocess.run(
-        call, cwd=folder, env=environment, capture_output=True, text=True, check=False
-    )
-    return done.returncode, done.stdout, done.stderr
 
 
 def test_what_is_optional() -> None:
@@ -84,8 +101,8 @@ def test_what_is_optional() -> None:
 @pytest.mark.parametrize(
     "verb", few_of(VERBS, [verb for verb in VERBS if verb not in MORE_STUDIES])
 )
-def test_every_verb_works(folder: Path, verb: str) -> None:
-    status, out, err = run(folder, every_verb.COMMANDS[verb])
+def test_every_verb_works(run: Run, verb: str) -> None:
+    status, out, err = run(every_verb.COMMANDS[verb])
     assert (status, err) == (0, "")
     told = {"navigate": ["plots"], "align": ["plots"], "demo": ["plots", "sim"]}.get(verb, [])
     assert out.count("pip install") == len(told)
@@ -93,13 +110,13 @@ def test_every_verb_works(folder: Path, verb: str) -> None:
         assert f"pip install 'sculler[{extra}]'" in out
 
 
-def test_what_is_left_out_is_in_the_json_too(folder: Path) -> None:
-    status, out, _ = run(folder, "simulate little.toml log.csv -o rtl2.csv --json")
+def test_what_is_left_out_is_in_the_json_too(folder: Path, run: Run) -> None:
+    status, out, _ = run("simulate little.toml log.csv -o rtl2.csv --json")
     said = json.loads(out)
     assert (status, said["engine"]) == (0, "amaranth")
     assert len(said["warnings"]) == 1
     assert "pip install 'sculler[sim]'" in said["warnings"][0]
-    status, out, _ = run(folder, "model little.toml log.csv -o golden.csv --json")
+    status, out, _ = run("model little.toml log.csv -o golden.csv --json")
     assert (status, json.loads(out)["results"]) == (0, said["results"])
     assert (folder / "rtl2.csv").read_bytes() == (folder / "golden.csv").read_bytes()
 
@@ -118,12 +135,12 @@ NEEDED = {
 
 
 @pytest.mark.parametrize("case", NEEDED)
-def test_what_cannot_be_done_without_names_its_extra(folder: Path, case: str) -> None:
+def test_what_cannot_be_done_without_names_its_extra(folder: Path, run: Run, case: str) -> None:
     (folder / "x.mat").write_bytes(b"MATLAB 5.0 MAT-file" + bytes(200))
     (folder / "x.parquet").write_bytes(b"PAR1" + bytes(200))
     before = set(folder.iterdir())
     command, extra = NEEDED[case]
-    status, out, err = run(folder, command)
+    status, out, err = run(command)
     assert (status, out) == (2, "")
     assert f"pip install 'sculler[{extra}]'" in err
     assert err.count("\n") == 1

@@ -12,6 +12,7 @@ import pytest
 from sculler.main import run_command
 from sculler_model.design import Design
 from studies.bench import command as bench
+from studies.bench import files
 from studies.bench.tasks import Task
 
 COMPARED = {
@@ -60,6 +61,7 @@ def report(
         return out
 
     monkeypatch.setattr(bench, "tasks", short)
+    monkeypatch.setattr(bench, "SUBJECTS", {})
     return report
 
 
@@ -101,3 +103,13 @@ def test_both_cores_are_simulated(tmp_path: Path) -> None:
         "pipelined core in Verilator",
         "compact core in Verilator",
     ]
+
+
+def test_contests_of_files(tmp_path: Path) -> None:
+    """Both sides run; the C program's bytes are held against those of `model` on the way."""
+    for contest in files.contests(tmp_path, 2000):
+        contest.ours()
+        if contest.theirs is not None:
+            contest.theirs()
+    if (tmp_path / "csv_vectors").exists():
+        assert (tmp_path / "ours.csv").read_text().count("\n") == 101

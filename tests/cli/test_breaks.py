@@ -81,7 +81,7 @@ def test_split_begins_anew(run: Run, tmp_path: Path, design: Path, engine: str) 
 def test_all_engines_agree(
     run: Run, tmp_path: Path, design: Path, block: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sculler.formats.log.BLOCK_BYTES", block)
+    monkeypatch.setattr("sculler.formats.lines.BLOCK_BYTES", block)
     number = np.delete(np.arange(200), [3, 4, 80, 96, 97, 150])
     log = write(tmp_path / "log.csv", times=number * H, sequence=number % 256)
     vectors = []

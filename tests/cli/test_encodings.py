@@ -49,8 +49,20 @@ def said(
     return said
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "cp437"])
-@pytest.mark.parametrize("verb", QUICK)
+SLOW = ("quantisation", "advise")
+"""Verbs that compute long before they say a word: at every change in ASCII alone."""
+
+
+@pytest.mark.parametrize(
+    ("verb", "encoding"),
+    [
+        pytest.param(
+            verb, encoding, marks=[pytest.mark.deep] * (verb in SLOW and encoding != "ascii")
+        )
+        for verb in QUICK
+        for encoding in ("ascii", "cp1252", "cp437")
+    ],
+)
 def test_every_verb_in_every_encoding(
     said: Callable[..., tuple[int, bytes, bytes]], verb: str, encoding: str
 ) -> None:

@@ -102,7 +102,7 @@ def test_vectors_of_the_other_kind_are_refused(
 
 def test_the_pipelined_core_shows_three_vectors_more(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "fast.toml"
-    path.write_text(DESIGN.replace("compact", "pipelined"))
+    path.write_text(DESIGN.replace("compact", "pipelined").replace("bits = 32", "bits = 8"))
     assert run("generate", path, "-o", tmp_path / "made").status == 0
     manifest = json.loads((tmp_path / "made" / "fine.json").read_text())
     shown = [port["name"] for port in manifest["ports"] if port["name"].startswith("result_")]

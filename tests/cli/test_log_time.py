@@ -71,7 +71,7 @@ def test_ends_do_not_depend_on_chunks(
     times = 7 + H * np.arange(1, 201)
     log, out = stamped(tmp_path / "log.csv", times), tmp_path / "v.csv"
     for size in (150, 311, 1 << 18):
-        monkeypatch.setattr("sculler.formats.log.BLOCK_BYTES", size)
+        monkeypatch.setattr("sculler.formats.lines.BLOCK_BYTES", size)
         for verb in ("model", "simulate"):
             assert run(verb, design, log, "-o", out).status == 0
             assert ends(out) == times[5::6].tolist()

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sculler.formats.log import BLOCK_BYTES, Chunk, LogWriter, read_log
+from sculler.formats.lines import BLOCK_BYTES
+from sculler.formats.log import Chunk, LogWriter, read_log
 from sculler.formats.plain_rows import parse
 from sculler_model.design import Design
 from sculler_model.errors import InputError

@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from sculler.formats import history
-from sculler.formats import log as logs
+from sculler.formats import history, lines
 from sculler.formats import truth as truth_file
 from sculler.formats import vectors as vectors_file
 from sculler_model import motion
@@ -31,7 +30,12 @@ GROWTH = 200e3
 def _small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Many blocks in little time, and no compiler, whose memory would hide theirs."""
     monkeypatch.setattr(motion.sampling, "CHUNK", 1 << 11)
-    monkeypatch.setattr(logs, "BLOCK_BYTES", 1 << 13)
+    monkeypatch.setattr(lines, "BLOCK_BYTES", 1 << 13)
+    for module in ("npz", "parquet"):
+        monkeypatch.setattr(f"sculler.formats.tables.{module}.BLOCK_ROWS", 500)
+    monkeypatch.setattr("sculler.formats.tables.parquet._GROUP_BYTES", 1 << 15)
+    monkeypatch.setattr("sculler.formats.tables.npz._IN_MEMORY", 1 << 10)
+    monkeypatch.setattr("sculler.formats.vectors_table._TOGETHER", 500)
     monkeypatch.setattr(plausibility, "BLOCK", 1 << 9)
     monkeypatch.setattr(truth_file, "BLOCK", 500)
     monkeypatch.setattr(vectors_file.read_vectors, "__defaults__", (None, 500))
@@ -41,7 +45,8 @@ def _small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.deep
 @pytest.mark.usefixtures("_small_blocks")
-def test_memory_does_not_grow_with_the_log(run: Run, tmp_path: Path) -> None:
+@pytest.mark.parametrize("ending", ["csv", "npz", "parquet"])
+def test_memory_does_not_grow_with_the_log(run: Run, tmp_path: Path, ending: str) -> None:
     design = tmp_path / "design.toml"
     design.write_text('preset = "lasergyro"\nname = "long"\n[algorithm]\nsamples = 2\nminors = 1\n')
     peaks: dict[str, list[int]] = {}
@@ -57,11 +62,12 @@ def test_memory_does_not_grow_with_the_log(run: Run, tmp_path: Path) -> None:
 
     for seconds in (10, SHORT, LONG):  # the first imports what there is to import
         log, truth, vectors, nav = (
-            tmp_path / f"{what}.csv" for what in ("log", "truth", "vectors", "nav")
+            tmp_path / f"{what}.{ending}" for what in ("log", "truth", "vectors", "nav")
         )
         where = ("--design", design, "--duration", seconds)
         measured("motion", "coning", *where, "-o", log, "--truth", truth)
         measured("model", design, log, "-o", vectors)
+        measured("compare", vectors, vectors)
         measured("navigate", design, vectors, "-o", nav, "--truth", truth, "--no-plots")
     for verb, (_, short, long) in peaks.items():
         assert long < short + GROWTH, (verb, short, long)

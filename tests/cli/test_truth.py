@@ -23,6 +23,7 @@ from sculler.plots.truth import from_above
 from sculler_model.frames import gravity, radii
 from sculler_model.motion import great_circle, hour_flight, over_the_pole
 from sculler_model.navigation import NavHistory
+from tiers import few_of
 
 Run = Callable[..., Any]
 Refused = Callable[..., str]
@@ -239,7 +240,7 @@ def test_other_orders_euler_angles_and_other_columns(tmp_path: Path) -> None:
         "a,100,48,190,1,2,3,10,20,-30,5\n"
         "b,101,48,190,1,2,3,10,20,-30,6"
     )
-    (state,) = read_truth(path)
+    state = NavHistory.concatenate(list(read_truth(path)))  # the last line has no end
     assert state.time.tolist() == [5, 6]
     assert np.degrees(state.euler[0]) == pytest.approx([10, 20, -30])
     assert np.degrees(state.lon) == pytest.approx([-170, -170])
@@ -254,7 +255,9 @@ def test_truth_streams_in_blocks(tmp_path: Path) -> None:
         writer.write(great_circle(0.1, 0.2, 3.0).state(t))
     told: list[int] = []
     parts = list(read_truth(path, told.append))
-    assert [len(part) for part in parts] == told == [BLOCK, 5]
+    assert [len(part) for part in parts] == told
+    assert len(told) > 1
+    assert sum(told) == BLOCK + 5
 
 
 def written_as(path: Path, columns: dict[str, Any]) -> Path:
@@ -315,7 +318,7 @@ def test_bad_arrays(
     assert "row 2: the quaternion has length 0.5" in said(q_w=np.array([1.0, 0.5]))
     if suffix == ".npz":
         assert "v_down is of type <U1" in said(v_down=np.array(["a", "b"]))
-        assert "height_m is of type float64 and shape (1, 2)" in said(height_m=np.zeros((1, 2)))
+        assert "height_m is of type float64 and shape (2, 1)" in said(height_m=np.zeros((2, 1)))
     if suffix != ".parquet":
         assert "height_m has 3 rows and time_s 2" in said(height_m=np.zeros(3))
     whole = (tmp_path / f"bad{suffix}").read_bytes()
@@ -459,9 +462,15 @@ START = {
 }
 
 
-@pytest.mark.parametrize(
-    "parts", [("attitude",), ("velocity",), ("position",), ("attitude", "position")]
-)
+PARTS = {
+    "attitude": ("attitude",),
+    "velocity": ("velocity",),
+    "position": ("position",),
+    "attitude and position": ("attitude", "position"),
+}
+
+
+@pytest.mark.parametrize("parts", few_of(PARTS, ["velocity", "attitude and position"]))
 def test_a_truth_may_tell_a_part(
     run: Run, tmp_path: Path, turn: tuple[Path, Path, Path], parts: tuple[str, ...]
 ) -> None:

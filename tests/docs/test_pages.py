@@ -6,11 +6,13 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from docs.pages import RUN, blocks, commands, like, run_page
+from warm import warm
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
@@ -27,13 +29,22 @@ def name(page: Path) -> str:
     return str(page.relative_to(ROOT))
 
 
+@pytest.fixture(scope="session")
+def sculler() -> Iterator[Path]:
+    """The program, already started."""
+    with warm({**os.environ, "LC_ALL": "C.UTF-8"}) as program:
+        yield program
+
+
 @pytest.fixture
-def session(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
+def session(
+    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, sculler: Path
+) -> Path:
     """An empty folder to work in, where `sculler` and `python` are those under test."""
     programs, folder = tmp_path_factory.mktemp("bin"), tmp_path_factory.mktemp("session")
-    for program, command in (("sculler", "-m sculler "), ("python", "")):
-        (programs / program).write_text(f'#!/bin/sh\nexec "{sys.executable}" {command}"$@"\n')
-        (programs / program).chmod(0o755)
+    (programs / "sculler").symlink_to(sculler)
+    (programs / "python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+    (programs / "python").chmod(0o755)
     monkeypatch.setenv("PATH", f"{programs}{os.pathsep}{os.environ['PATH']}")
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(p for p in sys.path if p))
     monkeypatch.setenv("LC_ALL", "C.UTF-8")

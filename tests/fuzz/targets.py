@@ -63,12 +63,18 @@ TARGETS = (
     Target("log", "log.csv", "model inc.toml {} -o out.csv"),
     Target("log-fault", "faulty.csv", "model rate.toml {} -o out.csv --engine reference"),
     Target("log-simulate", "short.csv", SIMULATE, 10),
+    Target("log-npz", "counts.npz", "model inc.toml {} -o out.parquet"),
+    Target("log-parquet", "counts.parquet", "model inc.toml {} -o out.npz"),
     Target("vectors", "vectors.csv", NAVIGATE),
+    Target("vectors-npz", "hires.npz", NAVIGATE.replace("inc.toml", "hires.toml")),
+    Target("vectors-parquet", "vectors.parquet", NAVIGATE.replace("out.csv", "out.npz")),
     Target("vectors-align", "rest.csv", NAVIGATE + " --align 11 --fine", 2),
     Target("vectors-hires", "hires.csv", NAVIGATE.replace("inc.toml", "hires.toml")),
     Target("vectors-report", "vectors.csv", NAVIGATE.replace("--no-plots", "--report r.html"), 20),
     Target("compare-a", "vectors.csv", "compare {} vectors2.csv"),
     Target("compare-b", "vectors.csv", "compare vectors2.csv {} --json"),
+    Target("compare-npz", "vectors.npz", "compare {} vectors2.csv"),
+    Target("compare-parquet", "vectors.parquet", "compare vectors2.csv {}"),
     Target("truth", "truth.csv", TRUTH),
     Target("truth-euler", "euler.csv", TRUTH),
     Target("truth-npz", "truth.npz", TRUTH),
@@ -191,6 +197,12 @@ def examples(folder: Path) -> dict[str, bytes]:
     run("model", f"{folder}/inc.toml", f"{folder}/s.csv", "-o", f"{folder}/rest.csv")
     (folder / "vectors2.csv").write_bytes((folder / "vectors.csv").read_bytes())
     run("model", f"{folder}/hires.toml", f"{folder}/turn.csv", "-o", f"{folder}/hires.csv")
+    for kind in ("npz", "parquet"):
+        design, turn = f"{folder}/inc.toml", f"{folder}/turn.csv"
+        run("model", design, turn, "-o", f"{folder}/vectors.{kind}")
+        run("model", f"{folder}/hires.toml", turn, "-o", f"{folder}/hires.{kind}")
+        arrays = dict(zip(header.split(","), counts.T.copy(), strict=True))
+        CONTAINERS[kind](folder / f"counts.{kind}", arrays)
     _truths(folder)
     _logs(folder, rng)
     write_recordings(folder)

@@ -21,8 +21,3 @@ def verilator():
         )
 
     return run
-
-
-@pytest.fixture(autouse=True)
-def _rare_collection(rare_collection):
-    """Cores are elaborated here."""

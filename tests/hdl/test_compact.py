@@ -7,6 +7,7 @@ import pytest
 from amaranth import ClockDomain, Module
 from amaranth.sim import Simulator
 
+import amaranth_runs
 from position_designs import HIGH_RESOLUTION
 from sculler_hdl import counter_ports, timing
 from sculler_hdl.compact import core as compact_core
@@ -19,6 +20,7 @@ from sculler_hdl.targets import TARGETS
 from sculler_model.design import Design
 from sculler_model.golden import CycleModel, Ports, words_per_result
 from strategies import DESIGNS, samples_of, with_hardware
+from tiers import cover, few_of
 
 
 def compact(design, **hardware):
@@ -64,10 +66,7 @@ class Watched:
 
     def run(self, clocks):
         self.clocks = clocks
-        simulator = Simulator(self.top)
-        simulator.add_clock(1e-6)
-        simulator.add_testbench(self.drive)
-        simulator.run()
+        amaranth_runs.drive(self.top, self.drive)
         return self
 
 
@@ -87,14 +86,20 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("name", "hardware", "clocks"),
-    CASES,
-    ids=[f"{n}-{'-'.join(map(str, h.values()))}" for n, h, _ in CASES],
-)
-def test_every_port_on_every_clock(name, hardware, clocks):
+CORES = {
+    f"{name}-{'-'.join(map(str, hardware.values()))}": (
+        compact((DESIGNS | HIGH_RESOLUTION)[name], **hardware),
+        clocks,
+    )
+    for name, hardware, clocks in CASES
+}
+COVER = cover({name: design for name, (design, _) in CORES.items()})
+
+
+@pytest.mark.parametrize("name", few_of(list(CORES), COVER))
+def test_every_port_on_every_clock(name):
     """With stalls on both sides, faults, and resets in the middle of everything."""
-    design = compact((DESIGNS | HIGH_RESOLUTION)[name], **hardware)
+    design, clocks = CORES[name]
     resets = (0, 400, 401, 402, 700)
     run = Watched(design, 1, offered=0.6, taken=0.8, resets=resets).run(clocks)
     assert run.samples > 4
@@ -130,10 +135,10 @@ def test_memories_may_hold_anything_at_first(name, hardware, clocks, monkeypatch
     """All but the program's, which is never written."""
     rng = random.Random(4)
 
-    def spoilt(target, width, initial, *, written=True, primitive=True):
+    def spoilt(target, width, initial, *, written=True, **others):
         if written:
             initial = [rng.randrange(1 << width) for _ in initial]
-        return BlockMemory(target, width, initial, written=written, primitive=primitive)
+        return BlockMemory(target, width, initial, written=written, **others)
 
     monkeypatch.setattr(compact_core, "BlockMemory", spoilt)
     monkeypatch.setattr(compact_engine, "BlockMemory", spoilt)

@@ -12,8 +12,8 @@ from amaranth import Module, Signal
 from amaranth.hdl import Fragment
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
-from amaranth.sim import Simulator
 
+from amaranth_runs import drive
 from sculler_hdl import TARGETS
 from sculler_hdl.lib.accumulator import Accumulator
 from sculler_hdl.lib.adder_tree import AdderTree
@@ -37,14 +37,6 @@ from sculler_hdl.plan.weighted_sum import WeightedSumPlan, terms_of
 from sculler_model.design import AXES, COLUMNS, VECTORS, Interval, word_lengths
 from sculler_model.golden import from_words, words_per_column, words_per_result
 from strategies import DESIGNS
-
-
-def run(part, drive):
-    """Run `drive(ctx)` as the test bench of a part."""
-    simulator = Simulator(part)
-    simulator.add_clock(1e-6)
-    simulator.add_testbench(drive)
-    simulator.run()
 
 
 def extremes(interval, rng, count):
@@ -87,7 +79,7 @@ def stream(part, inputs, outputs, clocks, flags=None):
             for name, value in zip(outputs, shown, strict=True):
                 seen[name].append(value)
 
-    run(part, bench)
+    drive(part, bench)
     words = {}
     for name, (_, arrival, when) in outputs.items():
         words[name] = {}
@@ -283,7 +275,7 @@ def test_delays_give_what_was_so_many_clocks_before(inverted):
             _, _, *now = await ctx.tick().sample(*flags.values(), shown)
             seen.append(now)
 
-    run(m, bench)
+    drive(m, bench)
     for now in range(3, 60):
         *at_clocks, value = seen[now]
         assert [value & 1 for value in at_clocks] == [given[now - clock + 2][0] for clock in flags]
@@ -542,7 +534,7 @@ def test_handover_keeps_each_result_until_it_is_taken():
             )
             log.append(shown)
 
-    run(part, bench)
+    drive(part, bench)
     expected = None
     for now, (valid, taken, *shown) in enumerate(log):
         for i, start in enumerate(starts):
@@ -596,7 +588,7 @@ def test_stream_handover_gives_the_words(chance):
                     assert last == done == (count == words_per_result(design))
             assert count == words_per_result(design)
 
-    run(part, bench)
+    drive(part, bench)
     assert gaps == 0
     each = words_per_result(design)
     for i, result in enumerate(results):
@@ -636,7 +628,7 @@ def test_sequencer(design, spacing):
             ready_log.append(ready)
             log.append(shown)
 
-    run(part, bench)
+    drive(part, bench)
     t, awaited, free = 0, False, 0
     for now, ready in enumerate(ready_log[:-1]):
         last = (t + 1) % whole == 0

@@ -5,10 +5,11 @@ import re
 
 import pytest
 from amaranth.hdl import ClockDomain, Module
-from amaranth.sim import Simulator
 
+from amaranth_runs import drive
+from bench_files import modules_of, places
 from position_designs import HIGH_RESOLUTION
-from sculler_hdl import counter_ports, generate, timing
+from sculler_hdl import counter_ports, timing
 from sculler_hdl.pipelined.core import PipelinedCore
 from sculler_hdl.plan.cross_array import FOLDINGS
 from sculler_hdl.plan.pipelined import LATENCY_GOAL, POSITION_LATENCY_GOAL, plan_pipelined
@@ -16,6 +17,7 @@ from sculler_hdl.plan.schedule import launch_gap
 from sculler_model.design import AXES
 from sculler_model.errors import InputError
 from sculler_model.golden import CycleModel, Ports, clocks_per_major, result_ports
+from sculler_sim.engines.verilator_build import emitted
 from strategies import DESIGNS, make_design, samples_of, with_hardware
 from tiers import few_of
 
@@ -131,11 +133,13 @@ def test_room_for_a_second_result_buys_time_for_additions():
     "name", few_of(["stim300_4x5", "dense_time_3", "taylor_3p3", "wide_5p0"], ["stim300_4x5"])
 )
 def test_every_block_is_named_once_where_it_stands(name):
-    generated = generate(with_hardware(DESIGNS[name], target="ecp5"))
-    groups = generated.manifest.block_groups
-    instances = re.findall(r"MULT18X18D #\(.*?\) \\(\S+)", generated.verilog, re.DOTALL)
-    assert sorted(f"{block}.block" for group in groups for block in group) == sorted(instances)
-    assert len(instances) == generated.manifest.resources["multipliers"]
+    design = with_hardware(DESIGNS[name], target="ecp5")
+    plan = plan_pipelined(design)
+    groups = plan.schedule.block_groups
+    modules = modules_of(emitted(design)[f"{design.name}.v"])
+    instances = [path for kind, path in places(design.name, modules) if kind == "MULT18X18D"]
+    assert sorted(f"{block}.dsp" for group in groups for block in group) == sorted(instances)
+    assert len(instances) == plan.resources["multipliers"]
     for group in groups:
         assert len({block.partition(".")[0] for block in group}) == 1
 
@@ -143,12 +147,12 @@ def test_every_block_is_named_once_where_it_stands(name):
 def test_blocks_of_a_long_array_are_grouped_by_total():
     """32 bits: A x r and B x s, then what the between array has, then A x s."""
     design = with_hardware(DESIGNS["wide_5p0"], target="ecp5")
-    groups = generate(design).manifest.block_groups
+    groups = plan_pipelined(design).schedule.block_groups
     found = [{re.match(r"(\w+\.unit\d)_", block)[1] for block in group} for group in groups]
     assert found == [
-        {"within.unit1", "within.unit2"},
-        {"between.unit0", "between.unit1", "between.unit2"},
-        {"within.unit0"},
+        {"cross_within.unit1", "cross_within.unit2"},
+        {"cross_between.unit0", "cross_between.unit1", "cross_between.unit2"},
+        {"cross_within.unit0"},
     ]
     assert [len(group) for group in groups] == [24, 24, 12]
 
@@ -229,9 +233,6 @@ def test_ports_on_every_clock(name, hardware):
             elif offered and not calm and rng.random() < 0.2:
                 offered = None  # withdrawn, for a clock at least
 
-    simulator = Simulator(top)
-    simulator.add_clock(1e-6)
-    simulator.add_testbench(bench)
-    simulator.run()
+    drive(top, bench)
     assert results >= 3
     assert lost

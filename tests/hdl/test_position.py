@@ -5,8 +5,8 @@ import random
 
 import pytest
 from amaranth.hdl import Module
-from amaranth.sim import Simulator
 
+from amaranth_runs import drive
 from sculler_hdl import TARGETS
 from sculler_hdl.pipelined.position import Position
 from sculler_hdl.plan.arrival import Limbs, spans
@@ -101,10 +101,7 @@ def test_position_is_the_pages(samples, folding, limb, target):
 
     top = Module()
     top.submodules.part = part
-    simulator = Simulator(top)
-    simulator.add_clock(1e-6)
-    simulator.add_testbench(bench)
-    simulator.run()
+    drive(top, bench)
     for end, number in taken.items():
         if number % samples < samples - 1:
             continue

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from math import cos, pi, radians, sin
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from sculler_model import motion
 from sculler_model.frames import gravity, gravity_lean, to_dcm
 from sculler_model.motion import Coning, Curve, Motion, Sculling, at_rest, turn_motion
+from sculler_model.motion.sampling import panel_rule
 from sculler_model.navigation import NavHistory
 
 RATE, A, F = 7.292115e-5, 6378137.0, 1 / 298.257223563
@@ -126,6 +128,39 @@ def test_nodes_are_enough_for_the_wave(phase: float) -> None:
     exact = (cos(0.4) - cos(0.4 + phase)) / phase if phase else sin(0.4)
     assert weights @ np.sin(0.4 + phase * nodes) == pytest.approx(exact, rel=1e-13, abs=1e-15)
     assert len(nodes) < 8 + phase
+
+
+@pytest.mark.parametrize("phase", [0.0, 1e-6, 3e-3, 0.06])
+def test_a_panel_integrates_polynomials_over_each_of_its_parts(phase: float) -> None:
+    """In exact rationals: the mean of x^k from a to b is (b^(k+1) - a^(k+1))/(k+1)/(b - a)."""
+    nodes, weights = panel_rule(phase)
+    many = len(weights)
+    assert many == {0.0: 32, 1e-6: 32, 3e-3: 32, 0.06: 2}[phase]
+    places = [Fraction(node) for node in nodes.tolist()]
+    for part, row in enumerate(weights.tolist()):
+        a, b = Fraction(part, many), Fraction(part + 1, many)
+        for k in range(len(places)):
+            found = sum(Fraction(w) * x**k for w, x in zip(row, places, strict=True))
+            exact = (b ** (k + 1) - a ** (k + 1)) / (k + 1) / (b - a)
+            assert abs(float(found - exact)) < 1e-15
+    # what the polynomial leaves of a wave
+    wave = many * phase
+    means = np.sin(0.4 + wave * (np.arange(many) + 0.5) / many) * np.sinc(0.5 * phase / pi)
+    assert weights @ np.sin(0.4 + wave * nodes) == pytest.approx(means, rel=1e-15, abs=0)
+
+
+def test_a_slow_motion_gives_the_same_samples_wherever_one_begins() -> None:
+    slow = motion.hour_flight(*motion.PLACE)
+    whole = slow.increments(300, 1 / 2000, 199_900)  # over a knot of the splines, at 100 s
+    for first, count in ((0, 1), (31, 2), (99, 201)):
+        part = slow.increments(count, 1 / 2000, 199_900 + first)
+        assert np.array_equal(part, whole[first : first + count])
+    # each by Gauss-Legendre quadrature of its own, six times as fine as it need be
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    t = (199_900 + np.arange(300)[:, None] + 0.5 * (nodes + 1)) / 2000
+    exact = 0.5 / 2000 * np.einsum("g,ngc->nc", weights, slow.sensed(t.ravel()).reshape(300, 12, 6))
+    size = np.repeat([np.abs(exact[:, :3]).max(), np.abs(exact[:, 3:]).max()], 3)
+    assert np.abs((whole - exact) / size).max() < 2e-14
 
 
 @pytest.mark.parametrize("interval", [1 / 2000, 1 / 500, 1 / 100])

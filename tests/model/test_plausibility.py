@@ -18,6 +18,16 @@ RNG = np.random.default_rng(12)
 NOISE = np.rint(RNG.normal([40, -3, 9, 0, 0, -20_000], 30, (N, 6))).astype(np.int64)
 
 
+@pytest.fixture(autouse=True, params=[False, True], ids=["in numpy", "compiled"])
+def _both_ways(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The close look at all samples, and the compiled one before it."""
+    if request.param:
+        pytest.importorskip("numba")
+        monkeypatch.setattr(plausibility, "WORTH_COMPILING", 0)
+    else:
+        monkeypatch.setattr(plausibility, "compiled", lambda: None)
+
+
 def look(counts: Any, chunk: int = 5000, times: Any = None) -> list[Finding]:
     detectors = Plausibility(DESIGN)
     for at in range(0, len(counts), chunk):

@@ -103,6 +103,11 @@ def test_many_euler_angles_at_once() -> None:
     rows = [(0.1, 0.2, 0.3), (-0.1, -1.0, 3.0)]
     q = np.array([rotation.from_euler(*row) for row in rows])
     assert np.allclose(rotation.euler_angles(q), rows)
+    # straight up and down among others: as one by one
+    q = np.array([q[0], [0.5**0.5, 0, 0.5**0.5, 0], [0.5, -0.5, -0.5, -0.5], q[1]])
+    assert np.array_equal(
+        rotation.euler_angles(q), [rotation.to_euler(tuple(row)) for row in q.tolist()]
+    )
     assert rotation.euler_angles(np.zeros((0, 4))).shape == (0, 3)
 
 

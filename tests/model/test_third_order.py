@@ -86,9 +86,20 @@ def test_words_hold_the_worst() -> None:
 def test_they_see_vibration_in_a_turn_that_the_host_cannot() -> None:
     """6 °/s with 0.1° coning at 50 Hz, 10 ms intervals: a hundredth of the drift is left."""
     motion = ConingTurn(radians(0.1), 50.0, radians(6.0), radians(30.0))
-    found = left(fine_design(4, 0, 5, rate=2000.0), motion, 5, 4.0)
+    (found,) = left(fine_design(4, 0, 5, rate=2000.0), motion, [5], 4.0)
     assert found.integers < found.second_order / 100
     assert found.integers < found.host / 10
+
+
+def test_each_of_several_minors_is_as_it_is_alone() -> None:
+    """A run of 0.0998 s: 49 whole major intervals of 4 samples, 24 of 8, 7 of 28."""
+    motion, design = ConingTurn(radians(1), 50.0, radians(6.0)), fine_design(4, 1, rate=2000.0)
+    together = list(left(design, motion, [1, 7, 2], 0.0998))
+    assert [found.minors for found in together] == [1, 7, 2]
+    for found in together:
+        (alone,) = left(design, motion, [found.minors], 0.0998)
+        for name in ("second_order", "host", "integers"):
+            assert getattr(found, name) == pytest.approx(getattr(alone, name), rel=1e-4)
 
 
 def test_composition_of_two_rotations() -> None:

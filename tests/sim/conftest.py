@@ -75,8 +75,3 @@ def stub_core(design: Design, body: str) -> str:
     ports = [f"input [{bits - 1}:0] {name}" for name, bits in inputs]
     ports += [f"output [{bits - 1}:0] {name}" for name, bits in outputs]
     return f"module {design.name} (\n  {', '.join(ports)});\n{body}\nendmodule\n"
-
-
-@pytest.fixture(autouse=True)
-def _rare_collection(rare_collection):
-    """Cores are elaborated here."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 import re
 
 import pytest
-from amaranth.sim import Simulator
 
+from amaranth_runs import drive
 from bench_files import shell
 from sculler_hdl.lib import losses
 from sculler_hdl.lib.losses import Losses
@@ -116,9 +116,6 @@ def test_the_counter_stays_at_its_highest(monkeypatch):
             _, _, count = await ctx.tick().sample(part.count)
             seen.append(count)
 
-    simulator = Simulator(part)
-    simulator.add_clock(1e-6)
-    simulator.add_testbench(bench)
-    simulator.run()
+    drive(part, bench)
     # offered in clock 1, withdrawn in 2, counted from 4 on, and so every second clock
     assert seen == [min(max(clock - 2, 0) // 2, 7) for clock in range(40)]

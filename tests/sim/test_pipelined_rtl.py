@@ -26,12 +26,17 @@ OTHER_FORMS = {
     name: design for each in SOME for name, design in on_cores(DESIGNS[each], FORMS).items()
 }
 EACH_FORM = pytest.mark.parametrize("design", tiers(OTHER_FORMS))
+# Amaranth's simulator is slow: at every change it gives traces, and files of few other cores
+EACH_ENGINE = pytest.mark.parametrize(
+    "engine", ["verilator", pytest.param("amaranth", marks=pytest.mark.deep)]
+)
 
 
 @EACH_DESIGN
-def test_the_files_of_model_and_both_simulators_are_equal(design, tmp_path):
+@EACH_ENGINE
+def test_the_files_of_model_and_simulator_are_equal(design, engine, tmp_path):
     """Every design, with and without stalls, full-scale counts among the samples."""
-    check_files(design, tmp_path, ["verilator", "amaranth"], samples=60)
+    check_files(design, tmp_path, [engine], samples=60)
 
 
 @EACH_DESIGN
@@ -53,8 +58,9 @@ def test_random_resets_and_stalls_give_the_cycle_models_results(design, tmp_path
 
 
 @EACH_FORM
-def test_other_forms_give_the_same_files(design, tmp_path):
-    check_files(design, tmp_path, ["verilator", "amaranth"], samples=60)
+@EACH_ENGINE
+def test_other_forms_give_the_same_files(design, engine, tmp_path):
+    check_files(design, tmp_path, [engine], samples=60)
 
 
 @EACH_FORM

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import pytest
 
-from bench_files import bench_of, shell
+from bench_files import bench_of, modules_of, places, shell
 from position_designs import HIGH_RESOLUTION
 from sculler_hdl import sample_ports, timing
 from sculler_hdl.plan.compact.plan import plan_compact
@@ -30,14 +30,18 @@ class Words(NamedTuple):
 
 def writable(text):
     """The memories of a core's Verilog; the program's is never written."""
-    found = [
-        Words(path, int(top) + 1, int(last) + 1)
-        for top, path, last in re.findall(r" reg \[(\d+):0\] (\S+) +\[(\d+):0\];$", text, re.M)
-    ]
-    blocks = re.findall(r"^  DP16KD #\(.*?^  \) (\S+) ", text, re.M | re.S)
-    found += [Words(f"{block} .memory", 18, 1024) for block in blocks]
+    modules = modules_of(text)
+    found = []
+    for kind, path in places(next(iter(modules)), modules):
+        if kind == "DP16KD":
+            found.append(Words(f"{path}.memory", 18, 1024))
+        declared = re.findall(r" reg \[(\d+):0\] (\w+) \[(\d+):0\];$", modules.get(kind, ""), re.M)
+        found += [
+            Words(f"{path}.{name}", int(top) + 1, int(last) + 1) for top, name, last in declared
+        ]
     kept = [words for words in found if "program" not in words.path]
-    assert len({words.path.partition("$")[0].partition(" ")[0] for words in kept}) == 4
+    owners = {re.sub(r"_?\d+$", "", words.path.rpartition(".")[0]) for words in kept}
+    assert len(owners) == 4, owners
     assert len(found) > 4
     return kept
 
@@ -45,7 +49,7 @@ def writable(text):
 def spoiling(design, core, level):
     """Statements that fill every memory of an instance with a level."""
     lines = [
-        f"for (i = 0; i < {words.depth}; i = i + 1) {core}.{words.path} [i] = {level};"
+        f"for (i = 0; i < {words.depth}; i = i + 1) {core}.{words.path}[i] = {level};"
         for words in writable(emitted(design)[f"{design.name}.v"])
     ]
     return "\n".join(lines)
@@ -106,7 +110,7 @@ def test_the_bench_sees_a_word_that_no_reset_mends(tmp_path):
     (left,) = [w for w in writable(emitted(design)["cn1.v"]) if "left" in w.path]
     (tmp_path / "upset.v").write_text(
         f"module upset; initial #{10 * timing(design).startup + 50}"
-        f" cn1_tb.core.{left.path} [47] = 3; endmodule"
+        f" cn1_tb.core.{left.path}[47] = 3; endmodule"
     )
     done = shell(command, tmp_path)
     told = re.fullmatch(
@@ -152,7 +156,7 @@ def test_each_word_by_itself(tmp_path):
     words = writable(text)
     flips = "\n".join(
         f"for (i = 0; i < {depth}; i = i + 1) begin"
-        f" b.{path} [i] = ~b.{path} [i]; run; total = total + 1; end"
+        f" b.{path}[i] = ~b.{path}[i]; run; total = total + 1; end"
         for path, _, depth in words
     )
     said = run(
@@ -210,10 +214,12 @@ def unknown(text):
     """Nothing has a value at first, the program apart."""
     text = re.sub(r"^  initial (?!begin)[^;]*;$", "", text, flags=re.M)
 
-    def memory(found):
-        return found[0] if "program" in found[0] else ""
+    def module(found):
+        if "program" in found[1]:
+            return found[0]
+        return re.sub(r"^  initial begin\n.*?^  end\n", "", found[0], flags=re.M | re.S)
 
-    return re.sub(r"^  initial begin\n.*?^  end\n", memory, text, flags=re.M | re.S)
+    return re.sub(r"^module (\w+).*?^endmodule$", module, text, flags=re.M | re.S)
 
 
 @pytest.mark.parametrize("design", tiers(CORES))
@@ -236,9 +242,8 @@ def test_one_clock_of_reset_leaves_no_x(design, tmp_path):
 def x_bench(design, spoilt):
     """Counts results and clocks that show an X; of spoilt cores, none where no result is valid."""
     connections, bits = counts_from(design)
-    outputs = re.findall(
-        r"^  output (?:\[(\d+):0\] )?(result_\w+);$", emitted(design)[f"{design.name}.v"], re.M
-    )
+    ports = emitted(design)[f"{design.name}.v"].partition("\n);\n")[0]
+    outputs = re.findall(r"^  output (?:reg )?(?:\[(\d+):0\] )?(result_\w+),?$", ports, re.M)
     results = [(name, int(top or 0) + 1) for top, name in outputs if name != "result_valid"]
     wires = "\n".join(f"wire [{width - 1}:0] {name};" for name, width in results)
     shown = ", ".join(name for name, _ in results)

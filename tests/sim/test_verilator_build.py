@@ -73,7 +73,7 @@ def test_whatever_a_library_is_made_of_is_in_its_name(own_cache, use_verilog, mo
     libraries = [build(DESIGN), build(DESIGN, Path("x.vcd"))]
     use_verilog(DESIGN, "assign sample_ready = 1;")
     libraries.append(build(DESIGN))
-    for constant in ("_CORE_FLAGS", "_VERILATOR_FLAGS"):
+    for constant in ("_CORE_FLAGS", "VERILATOR_FLAGS"):
         monkeypatch.setattr(verilator_build, constant, [*getattr(verilator_build, constant), "-x"])
         libraries.append(build(DESIGN))
     monkeypatch.setattr(verilator_build, "_harness", lambda *_: "other harness")
@@ -85,6 +85,23 @@ def test_whatever_a_library_is_made_of_is_in_its_name(own_cache, use_verilog, mo
     assert len(set(libraries)) == len(libraries) == 8
 
 
+@pytest.mark.deep  # three compilations that share no header
+@pytest.mark.parametrize("wave", [None, "x.vcd"])
+def test_a_large_model_is_compiled_in_parts(own_cache, tmp_path, monkeypatch, wave):
+    monkeypatch.setattr(verilator_build, "_LARGE", 0)
+    commands = []
+    run = verilator_build.processes.run
+
+    def remembered(*some, **kwargs):
+        commands.append([command[-1] for command in some])
+        return run(*some, **kwargs)
+
+    monkeypatch.setattr(verilator_build.processes, "run", remembered)
+    build(DESIGN, tmp_path / wave if wave else None)
+    assert any({"core.o", "half.o", "start.o"} <= set(some) for some in commands)
+    check_simulation()
+
+
 def test_builds_side_by_side_do_not_disturb_each_other(own_cache):
     with ThreadPoolExecutor(2) as pool:
         one, other = pool.map(build, [DESIGN] * 2)
@@ -94,20 +111,23 @@ def test_builds_side_by_side_do_not_disturb_each_other(own_cache):
 
 
 def test_the_verilog_kept_is_the_verilog_generated(own_cache):
-    design = make_design("kept", 1, 1, 2, (8, 8))
+    design = make_design("kept", 1, 1, 2, (8, 8), hardware={"core": "compact"})
     files = verilator_build.emitted(design)
     assert files == {"kept.v": verilator_build.generate(design).verilog}
     (kept,) = own_cache.glob("kept-*.json")
     kept.write_text('{"kept": "// from the cache"}')
     assert verilator_build.emitted(design) == {"kept.v": "// from the cache"}
-    other = make_design("kept", 1, 1, 3, (8, 8))
+    other = make_design("kept", 1, 1, 3, (8, 8), hardware={"core": "compact"})
     assert verilator_build.emitted(other)["kept.v"] == verilator_build.generate(other).verilog
 
 
 _EMIT = """
 import json, sys
+import quick_yosys
 from sculler_hdl import generate
+from sculler_hdl.export import verilog
 from sculler_model.design import Design
+verilog.subprocess = quick_yosys
 for design in json.load(sys.stdin):
     generate(Design.parse(design))
 modules = (module for name, module in sys.modules.items() if name.startswith("sculler"))
@@ -124,6 +144,7 @@ def test_the_key_of_the_kept_verilog_covers_every_module_that_makes_it():
     ]
     done = subprocess.run(
         [sys.executable, "-c", _EMIT],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
         input=json.dumps([design.as_json() for design in designs]),
         capture_output=True,
         text=True,
@@ -267,7 +288,7 @@ def test_a_library_without_our_functions_is_named(own_cache, tmp_path):
 
 
 def test_damaged_entries_are_made_again(own_cache):
-    design = make_design("damaged", 1, 1, 2, (8, 8))
+    design = make_design("damaged", 1, 1, 2, (8, 8), hardware={"core": "compact"})
     files = verilator_build.emitted(design)
     (kept,) = own_cache.glob("damaged-*.json")
     whole = kept.read_bytes()

@@ -17,6 +17,7 @@ import numpy as np
 
 from sculler.checks.stamps import Shift, ShiftFinder, wrong_rate
 from sculler.formats.log import Chunk
+from sculler.formats.tables import counting
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 
@@ -35,10 +36,11 @@ class Break:
 
     Attributes:
         sample: number of the first sample after it, from 0.
-        line: of that sample in the log.
+        line: of that sample in the log; of a binary file the row, from 1.
         time_s: stamp of the last sample before it; None where the log has no stamps.
         missing: samples that are not there; None where it cannot be told.
         what: in words.
+        unit: `line` or `row`.
     """
 
     sample: int
@@ -46,10 +48,11 @@ class Break:
     time_s: float | None
     missing: int | None
     what: str
+    unit: str = "line"
 
     def describe(self) -> str:
         """The place and what is there."""
-        return f"line {self.line}: {self.what}"
+        return f"{self.unit} {self.line}: {self.what}"
 
 
 class BreakFinder:
@@ -68,6 +71,7 @@ class BreakFinder:
 
     def __init__(self, design: Design, name: str, policy: Policy = "refuse") -> None:
         self._design, self._name, self._policy = design, name, policy
+        self._rows = counting(name)
         self._stamps = ShiftFinder(design.sample_interval)
         self._read = self._given = 0  # samples
         self._waiting: list[Chunk] = []  # those read and not given
@@ -163,7 +167,8 @@ class BreakFinder:
     def _break(self, sample: int, time: float | None, missing: int | None, what: str) -> Break:
         if missing is not None and missing > 0:
             what += f", {missing:,} sample{'s are' if missing > 1 else ' is'} missing"
-        return Break(sample, sample + 2, time, missing, what)
+        rows = self._rows
+        return Break(sample, sample + rows.first, time, missing, what, rows.unit)
 
     def _merged(self, shifts: list[Break], decided: int) -> list[Break]:
         """Shifts and jumps before sample `decided`, in order; what both show is one break."""

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler.formats.tables import counting
 from sculler_model.design import Design
 from sculler_model.fast import VectorBlock
 from sculler_model.samples import interval_ends
@@ -19,7 +20,7 @@ class Break:
     """A place where an interval does not begin at the end of the one before.
 
     Attributes:
-        line: of the vectors file, the first one after the break.
+        line: of the vectors file, the first one after the break; of a binary file the row, from 1.
         what: shows it, in words.
         seconds: length of the break; None if it cannot be known.
     """
@@ -46,12 +47,14 @@ class Stretches:
 
     Args:
         design: of the vectors.
+        name: of their file, by which its rows are counted.
     """
 
-    def __init__(self, design: Design) -> None:
+    def __init__(self, design: Design, name: str = "") -> None:
         self._design = design
+        self._start = counting(name).first
         self._allowed = 0.75 * design.sample_interval + 1e-3 * design.major_interval
-        self._line = 2  # of the next block's first row
+        self._line = self._start  # of the next block's first row
         self._major, self._time = -1, 0.0  # of the row before
 
     def __call__(self, block: VectorBlock) -> Iterator[VectorBlock | Break]:
@@ -65,7 +68,7 @@ class Stretches:
         away = np.diff(majors) != 1
         if block.times is not None:
             away |= ~(np.abs(np.diff(before) - design.major_interval) <= self._allowed)
-        if line == 2:
+        if line == self._start:
             away[0] = False
         self._line = line + len(block)
         self._major, self._time = int(majors[-1]), float(before[-1])

@@ -34,8 +34,9 @@ if TYPE_CHECKING:
 def command(
     design_name: str, log: str, output: Path, engine: ModelEngine, breaks: Policy, as_json: bool
 ) -> None:
-    """Run the IMU log LOG (CSV of counts, - for stdin) through the golden model.
+    """Run the IMU log LOG through the golden model.
 
+    LOG has counts, as CSV, .npz or .parquet; - is CSV from stdin.
     Writes the vectors: one row of exact integers for each complete major interval.  A log with a
     column time_s (stamps, s) or sequence (a sample counter) is checked for missing samples.
     """

@@ -51,7 +51,7 @@ the ellipsoid).
     type=terminal.OutputFile(),
     required=True,
     metavar="FILE",
-    help="Where to write the truth.",
+    help="Where to write the truth: .parquet, .npz, or CSV.",
 )
 @click.option(
     "--duration",

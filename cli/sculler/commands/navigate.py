@@ -62,7 +62,7 @@ def command(
     as_json: bool,
     **asked: Any,
 ) -> None:
-    """Navigate with the VECTORS (CSV of `model` or `simulate`) of DESIGN.
+    """Navigate with the VECTORS (of `model` or `simulate`) of DESIGN.
 
     Float, once a major interval: exact attitude, velocity and position over WGS-84.  The body frame
     is forward, right, down.  Columns of the output, a row at the start and after every major

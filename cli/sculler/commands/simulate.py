@@ -56,8 +56,9 @@ def command(
     breaks: Policy,
     as_json: bool,
 ) -> None:
-    """Run the IMU log LOG (CSV of counts, - for stdin) through the register-transfer level.
+    """Run the IMU log LOG through the register-transfer level.
 
+    LOG has counts, as CSV, .npz or .parquet; - is CSV from stdin.
     Writes the vectors that the core hands over, for `sculler compare` with those of `sculler
     model`.
     """

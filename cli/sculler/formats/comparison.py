@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import zip_longest
 from pathlib import Path
 
-from sculler.formats.vectors import TIME, VectorLines
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler.formats.vectors import TIME, open_vectors, rows_of
 from sculler_model.errors import InputError
+from sculler_model.fast import Integers, VectorBlock, as_integers, limbs_of
 
 
 @dataclass(frozen=True)
@@ -51,31 +55,79 @@ class Difference:
 def compare(first: str | Path, second: str | Path) -> Difference | None:
     """First difference of two vectors files, or None where every integer is the same.
 
-    Where both files have times these are compared too; where one has none, that is no difference.
-    The files are streamed.  Rows whose text is equal are not taken apart, only checked for form.
+    Each may be of any kind.  Where both have times these are compared too; where one has none, that
+    is no difference.  The files are streamed.
 
     Raises:
         InputError: a file cannot be read, is cut short, a header or cell is wrong, or the two have
             other columns.
     """
-    one, other = VectorLines(first), VectorLines(second)
-    if one.columns != other.columns:
-        raise InputError(
-            f"{second}: {len(other.columns)} columns for {len(one.columns)} of {first}, give"
-            " vectors of one design"
-        )
-    for row, (ours, theirs) in enumerate(zip_longest(one, other)):
-        if ours is None or theirs is None:
-            there, _ = one.row(*ours) if ours else other.row(*theirs)
-            values = (there[0], None) if ours else (None, there[0])
-            return Difference(row, there[0], "major", *values)
-        if ours[1] == theirs[1]:
-            one.check(*ours)
-            continue
-        (a, time), (b, other_time) = one.row(*ours), other.row(*theirs)
-        for column, left, right in zip(one.columns, a, b, strict=True):
-            if left != right:
-                return Difference(row, a[0], column, left, right)
-        if time is not None and other_time is not None and time != other_time:
-            return Difference(row, a[0], TIME, time, other_time)
+    with open_vectors(first) as one, open_vectors(second) as other:
+        if one.columns != other.columns:
+            raise InputError(
+                f"{second}: {len(other.columns)} columns for {len(one.columns)} of {first}, give"
+                " vectors of one design"
+            )
+        row = 0
+        for ours, theirs in _together(one.blocks(), other.blocks()):
+            found = difference(ours, theirs, row)
+            if found is not None:
+                return found
+            row += len(ours)
     return None
+
+
+def _together(
+    one: Iterator[VectorBlock], other: Iterator[VectorBlock]
+) -> Iterator[tuple[VectorBlock, VectorBlock]]:
+    """Blocks of the same rows of two files; of unlike lengths only where one file has ended."""
+    ours, theirs = next(one, None), next(other, None)
+    while ours is not None and theirs is not None:
+        rows = min(len(ours), len(theirs))
+        yield rows_of(ours, slice(rows)), rows_of(theirs, slice(rows))
+        ours = rows_of(ours, slice(rows, None)) if rows < len(ours) else next(one, None)
+        theirs = rows_of(theirs, slice(rows, None)) if rows < len(theirs) else next(other, None)
+    there = ours or theirs
+    if there is not None:
+        nothing = rows_of(there, slice(0))
+        yield (nothing, there) if ours is None else (there, nothing)
+
+
+def difference(one: VectorBlock, other: VectorBlock, first: int = 0) -> Difference | None:
+    """First difference of two blocks of the same columns; `first` is the number of their row."""
+    rows = min(len(one), len(other))
+    ours, theirs = rows_of(one, slice(rows)), rows_of(other, slice(rows))
+    a, b = _same_limbs(ours.components, theirs.components)
+    unequal = [ours.major != theirs.major, ours.status != theirs.status]
+    unequal += list((a != b).any(axis=2).T)
+    names = list(one.columns)
+    if ours.times is not None and theirs.times is not None:
+        unequal.append(ours.times != theirs.times)
+        names.append(TIME)
+    some = np.logical_or.reduce(unequal)
+    if some.any():
+        row = int(np.argmax(some))
+        column = next(place for place, each in enumerate(unequal) if each[row])
+        left, right = (_cell(block, row, column) for block in (ours, theirs))
+        return Difference(first + row, int(ours.major[row]), names[column], left, right)
+    if len(one) == len(other):
+        return None
+    longer = one if len(one) > rows else other
+    major = int(longer.major[rows])
+    values = (major, None) if longer is one else (None, major)
+    return Difference(first + rows, major, "major", *values)
+
+
+def _same_limbs(one: Integers, other: Integers) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The limbs of both, as many of each."""
+    words = max(limbs_of(one).shape[-1], limbs_of(other).shape[-1])
+    return limbs_of(as_integers(one, words)), limbs_of(as_integers(other, words))
+
+
+def _cell(block: VectorBlock, row: int, column: int) -> int | float:
+    """A value of a block, its columns numbered as they are written."""
+    values = next(rows_of(block, slice(row, row + 1)).rows())
+    if column < len(values):
+        return values[column]
+    assert block.times is not None
+    return float(block.times[row])

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 
 import numpy as np
+from numpy.typing import NDArray
 
+from sculler.formats.compiled import kernels
+from sculler.formats.compiled.printing import FLOAT_BYTES
+from sculler.formats.tables import Column, TableWriter, table_kind, writing_table
 from sculler_model.navigation import NavHistory
 
 HEADER = (
@@ -17,19 +22,31 @@ WANDER = "wander_deg"
 
 
 class HistoryWriter:
-    """Writes states as CSV, every number with all its digits; the header goes out on opening.
+    """Writes states, every number with all its digits; the ending of the name says which kind.
 
-    All of `HEADER` is of true north, east and down, whatever frame the states were carried in.
+    `.npz` and `.parquet` have a column of float64 for each of `HEADER`, CSV has these as its header
+    and goes out line by line.  All of it is of true north, east and down, whatever frame the states
+    were carried in.
 
     Args:
         path: the file.
         wander: a last column `WANDER` tells where that frame's x axis points, from north to east.
+
+    Raises:
+        InputError: the library for the kind of file is absent.
     """
 
     def __init__(self, path: Path, *, wander: bool = False) -> None:
-        self._wander = wander
-        self._file = path.open("w", encoding="ascii", newline="")
-        self._file.write(HEADER + (f",{WANDER}" if wander else "") + "\n")
+        self._names = [*HEADER.split(","), *[WANDER] * wander]
+        self._stack = ExitStack()
+        self._table: TableWriter | None = None
+        self._written = 0
+        if table_kind(path) is not None:
+            columns = [Column(name, "float64") for name in self._names]
+            self._table = self._stack.enter_context(writing_table(path, columns))
+            return
+        self._file = self._stack.enter_context(path.open("wb"))
+        self._file.write((",".join(self._names) + "\n").encode("ascii"))
 
     def write(self, part: NavHistory) -> None:
         """Append states."""
@@ -42,10 +59,25 @@ class HistoryWriter:
             np.degrees(part.lon),
             part.h,
         ]
-        if self._wander:
+        if WANDER in self._names:
             columns.append(np.degrees(part.wander))
         table = np.column_stack(columns)
-        self._file.writelines(",".join(map(repr, row)) + "\n" for row in table.tolist())
+        if self._table is not None:
+            self._table.write(dict(zip(self._names, table.T, strict=True)))
+            return
+        text = self._printed(table) or _formatted(table)
+        self._written += len(text)
+        self._file.write(text)
+
+    def _printed(self, table: NDArray[np.float64]) -> memoryview | None:
+        """Rows by compiled loops; None where they are not worth it, or a number is not finite."""
+        room = table.size * FLOAT_BYTES
+        compiled = kernels(self._written + room, writing=True)
+        if compiled is None:
+            return None
+        out = np.empty(room, np.uint8)
+        size = compiled.print_floats(table, compiled.upper, out)
+        return None if size < 0 else out[:size].data
 
     def __enter__(self) -> HistoryWriter:
         return self
@@ -56,7 +88,12 @@ class HistoryWriter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._file.close()
+        self._stack.__exit__(kind, error, trace)
+
+
+def _formatted(table: NDArray[np.float64]) -> bytes:
+    """Rows in Python."""
+    return "".join(",".join(map(repr, row)) + "\n" for row in table.tolist()).encode()
 
 
 class Thinned:
@@ -75,12 +112,12 @@ class Thinned:
         """Take the next states."""
         if not len(part):
             return
-        picked = _rows(part, slice(-self._seen % self._step, None, self._step))
+        picked = rows(part, slice(-self._seen % self._step, None, self._step))
         self._seen += len(part)
         self._kept = picked if self._kept is None else NavHistory.concatenate([self._kept, picked])
-        self._last = _rows(part, slice(len(part) - 1, None))
+        self._last = rows(part, slice(len(part) - 1, None))
         while len(self._kept) > self._most:
-            self._kept = _rows(self._kept, slice(None, None, 2))
+            self._kept = rows(self._kept, slice(None, None, 2))
             self._step *= 2
 
     def history(self) -> NavHistory:
@@ -96,13 +133,14 @@ class Thinned:
         return NavHistory.concatenate([self._kept, self._last])
 
 
-def _rows(history: NavHistory, rows: slice) -> NavHistory:
+def rows(history: NavHistory, part: slice) -> NavHistory:
+    """Some states of a history."""
     return NavHistory(
-        history.time[rows],
-        history.q[rows],
-        history.v[rows],
-        history.lat[rows],
-        history.lon[rows],
-        history.h[rows],
-        history.wander[rows],
+        history.time[part],
+        history.q[part],
+        history.v[part],
+        history.lat[part],
+        history.lon[part],
+        history.h[part],
+        history.wander[part],
     )

@@ -16,21 +16,26 @@ so does `sculler navigate`, whose output may serve as truth.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from itertools import islice
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from io import StringIO
 from pathlib import Path
-from typing import Any, Literal, TextIO
+from typing import BinaryIO, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.readers.arrays import npz_arrays, parquet_columns, parquet_names
+from sculler.formats import lines
+from sculler.formats.compiled import Kernels, kernels
+from sculler.formats.tables import Block, TableReader
+from sculler.formats.tables.npz import NpzReader, damage_told
+from sculler.formats.tables.parquet import ParquetReader
 from sculler.readers.mat import mat_columns
 from sculler_model.errors import InputError
 from sculler_model.frames import from_euler
 from sculler_model.inputs import require_file
 from sculler_model.navigation import MAX_HEIGHT, MIN_HEIGHT, NavHistory
-from sculler_model.outputs import open_lines
+from sculler_model.outputs import open_blocks
 
 Array = NDArray[np.float64]
 
@@ -51,7 +56,9 @@ RANGES = {
 """What is on or near the Earth, at speeds that stay there."""
 
 BLOCK = 20_000
-"""Rows read at a time."""
+"""Rows of arrays looked at together."""
+
+_BLOCKS = 8  # of `lines.BLOCK_BYTES` read at a time: rows are long
 
 UNIT = 1e-6
 """How far from 1 the length of a quaternion may be."""
@@ -84,8 +91,8 @@ def read_truth(
         if tables is not None:
             yield from _states(*_of_arrays(path, tables), advance, passed_over)
             return
-        with open_lines(path, encoding="utf-8-sig", newline="") as file:
-            yield from _states(*_of_text(file, str(path)), advance, passed_over)
+        with open_blocks(path) as file:
+            yield from _states(*_of_text(file, path), advance, passed_over)
     except OSError as error:
         raise InputError(
             f"{path}: cannot read the truth ({error.strerror}), check the path"
@@ -96,23 +103,32 @@ def read_truth(
         ) from error
 
 
-Tables = tuple[list[str], Iterator[Mapping[str, NDArray[Any]]]]
+Tables = tuple[list[str], Iterator[Block]]
 """Names of all columns, and the columns, block by block."""
 
 
 def _npz(path: Path) -> Tables:
-    arrays = npz_arrays(path)
-    return list(arrays), iter([arrays])
+    with damage_told(path):
+        return _streamed(NpzReader(path))
+
+
+def _parquet(path: Path) -> Tables:
+    return _streamed(ParquetReader(path))
+
+
+def _streamed(table: TableReader) -> Tables:
+    """The columns of a file that is read block by block."""
+
+    def blocks() -> Iterator[Block]:
+        with closing(table):
+            yield from table.blocks([name for name in table.names if name in KNOWN])
+
+    return list(table.names), blocks()
 
 
 def _mat(path: Path) -> Tables:
     columns = mat_columns(path)
     return list(columns), iter([columns])
-
-
-def _parquet(path: Path) -> Tables:
-    names = parquet_names(path)
-    return names, parquet_columns(path, [name for name in names if name in KNOWN])
 
 
 _TABLES = ((b"PK\x03\x04", _npz), (b"MATLAB ", _mat), (b"PAR1", _parquet))
@@ -158,13 +174,13 @@ def _of_arrays(path: Path, tables: Callable[[Path], Tables]) -> tuple[_Layout, I
     return layout, layout.from_arrays(blocks)
 
 
-def _of_text(file: TextIO, name: str) -> tuple[_Layout, Iterator[Array]]:
+def _of_text(file: BinaryIO, path: Path) -> tuple[_Layout, Iterator[Array]]:
     """Layout and rows of a CSV."""
-    header = file.readline()
+    header = file.readline().decode("utf-8-sig")
     if not header.strip():
-        raise InputError(f"{name}: the truth is empty, give a header and rows")
-    layout = _Layout(name, [column.strip() for column in header.split(",")], "line")
-    return layout, layout.from_text(file)
+        raise InputError(f"{path}: the truth is empty, give a header and rows")
+    layout = _Layout(str(path), [column.strip() for column in header.split(",")], "line")
+    return layout, layout.from_text(file, path.stat().st_size)
 
 
 class _Layout:
@@ -218,32 +234,48 @@ class _Layout:
                 )
         return ()
 
-    def from_text(self, file: TextIO) -> Iterator[Array]:
-        """The wanted columns of the lines below the header, `BLOCK` at a time."""
-        number = self.first
-        while lines := list(islice(file, BLOCK)):
-            yield self._table(lines, number)
-            number += len(lines)
+    def from_text(self, file: BinaryIO, size: int) -> Iterator[Array]:
+        """The wanted columns of the lines below the header, block by block."""
+        number, compiled = self.first, kernels(size)
+        for text in lines.whole_lines(file, self.name, _BLOCKS * lines.BLOCK_BYTES):
+            table = None if compiled is None else self._scanned(text, compiled)
+            if table is None:
+                table = self._table(list(StringIO(text.decode("utf-8"), newline="")), number)
+            number += len(table)
+            yield table
 
-    def _table(self, lines: list[str], first: int) -> Array:
+    def _scanned(self, text: bytes, compiled: Kernels) -> Array | None:
+        """The wanted columns of whole lines, by compiled loops; None if they are not plain."""
+        plain = text.replace(b"\r\n", b"\n") if b"\r" in text else text
+        rows = plain.count(b"\n")
+        if not plain.endswith(b"\n"):
+            return None
+        places = np.full(self.width, -1, np.int64)
+        places[self.places] = np.arange(len(self.places))
+        bits = np.empty((rows, len(self.places)), np.uint64)
+        characters, none = np.frombuffer(plain, np.uint8), np.empty((0, 0), np.int64)
+        found = compiled.scan_numbers(characters, ord(","), places, compiled.lower, bits, none)
+        return bits.view(np.float64) if found == rows else None
+
+    def _table(self, written: list[str], first: int) -> Array:
         """The wanted columns of some lines, of which the first is line `first` of the file."""
-        if all(line.strip() for line in lines):
+        if all(line.strip() for line in written):
             try:
                 return np.loadtxt(
-                    lines, np.float64, comments=None, delimiter=",", usecols=self.places, ndmin=2
+                    written, np.float64, comments=None, delimiter=",", usecols=self.places, ndmin=2
                 )
             except ValueError:
                 pass  # line by line, to say where
-        return np.array([self._row(line, first + k) for k, line in enumerate(lines)])
+        return np.array([self._row(line, first + k) for k, line in enumerate(written)])
 
-    def from_arrays(self, blocks: Iterator[Mapping[str, NDArray[Any]]]) -> Iterator[Array]:
+    def from_arrays(self, blocks: Iterator[Block]) -> Iterator[Array]:
         """The wanted columns of arrays, at most `BLOCK` rows at a time."""
         for columns in blocks:
             table = self._stacked(columns)
             for first in range(0, len(table), BLOCK):
                 yield table[first : first + BLOCK]
 
-    def _stacked(self, columns: Mapping[str, NDArray[Any]]) -> Array:
+    def _stacked(self, columns: Block) -> Array:
         """The wanted columns of arrays, side by side."""
         for column in self.columns:
             array, time = columns[column], columns[TIME]

@@ -129,10 +129,10 @@ def as_log(log: LogLike, design: Design | None = None) -> Log:
 
 
 def read_log(path: str | Path, design: Design | None = None) -> Log:
-    """Read an IMU log (CSV of integer counts, docs/reference/imu-log.md) whole.
+    """Read an IMU log (integer counts, docs/reference/imu-log.md) whole.
 
     Args:
-        path: of the file; `-` for standard input.
+        path: of the file, `.npz`, `.parquet` or CSV; `-` for CSV from standard input.
         design: whose sensor's widths the counts must fit; None for 64 bits.
 
     Returns:
@@ -154,10 +154,10 @@ def read_log(path: str | Path, design: Design | None = None) -> Log:
 
 
 def write_log(path: str | Path, log: LogLike) -> None:
-    """Write an IMU log (CSV of integer counts); it appears whole or not at all.
+    """Write an IMU log (integer counts); it appears whole or not at all.
 
     Args:
-        path: of the file.
+        path: of the file; its ending says which kind, `.npz`, `.parquet` or CSV.
         log: a `Log`, an array (N, 6), a frame with the log's columns, or the path of another log;
             the column `sequence` is not written.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import zip_longest
 from pathlib import Path
 
 from sculler.formats import comparison
@@ -17,7 +16,7 @@ def read_vectors(path: str | Path, design: Design | None = None) -> VectorBlock:
     """Read a vectors file (docs/reference/vectors.md) whole.
 
     Args:
-        path: of the file.
+        path: of the file; its ending says which kind, `.npz`, `.parquet` or CSV.
         design: whose vectors they are: every component is checked against its width; None where
             nobody knows.
 
@@ -41,12 +40,14 @@ def read_vectors(path: str | Path, design: Design | None = None) -> VectorBlock:
     return VectorBlock.concatenate(blocks)
 
 
-def write_vectors(path: str | Path, vectors: VectorBlock) -> None:
+def write_vectors(path: str | Path, vectors: VectorBlock, design: Design | None = None) -> None:
     """Write a vectors file (docs/reference/vectors.md); it appears whole or not at all.
 
     Args:
-        path: of the file.
+        path: of the file; its ending says which kind, `.npz`, `.parquet` or CSV.
         vectors: the results; where they have times there is a column `time_s`.
+        design: whose they are, which tells a binary file how wide each column is; None for columns
+            as wide as the widest component.
 
     Raises:
         InputError: the file cannot be written.
@@ -60,7 +61,7 @@ def write_vectors(path: str | Path, vectors: VectorBlock) -> None:
         >>> Path("vectors.csv").read_text().splitlines()[1][:10]
         '0,0,20,20,'
     """
-    with files.VectorsWriter(path, vectors.columns) as writer:
+    with files.VectorsWriter(path, vectors.columns, design=design) as writer:
         writer.write(vectors)
 
 
@@ -100,17 +101,4 @@ def compare(first: VectorBlock | str | Path, second: VectorBlock | str | Path) -
             f"compare: {len(one.columns)} columns and {len(other.columns)}, give vectors of one"
             " design"
         )
-    timed = one.times is not None and other.times is not None
-    for row, (ours, theirs) in enumerate(zip_longest(one.rows(), other.rows())):
-        if ours is None or theirs is None:
-            there = ours or theirs or (0,)
-            values = (there[0], None) if ours else (None, there[0])
-            return Difference(row, there[0], "major", *values)
-        for column, left, right in zip(one.columns, ours, theirs, strict=True):
-            if left != right:
-                return Difference(row, ours[0], column, left, right)
-        if timed and one.times is not None and other.times is not None:
-            left_time, right_time = float(one.times[row]), float(other.times[row])
-            if left_time != right_time:
-                return Difference(row, ours[0], files.TIME, left_time, right_time)
-    return None
+    return comparison.difference(one, other)

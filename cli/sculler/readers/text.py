@@ -20,6 +20,7 @@ from typing import NamedTuple, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler.formats.compiled import Kernels, kernels
 from sculler.readers.recording import Advance
 from sculler.readers.signatures import HEAD_BYTES, told
 from sculler_model.errors import InputError
@@ -27,6 +28,7 @@ from sculler_model.outputs import open_lines
 
 COMMENT = "#"
 _CHUNK_ROWS = 1 << 14
+_PLAIN_DELIMITERS = (",", ";", "\t", "|")
 _DIGITS = 40  # of a text that is given; those beyond are far below any clock's
 _MARKS = (  # the longer first: a mark of UTF-32 begins with one of UTF-16
     (codecs.BOM_UTF32_LE, "utf-32"),
@@ -136,21 +138,21 @@ def number_rows(
         ("whole", np.int64, (len(whole),)),
         ("texts", f"U{_DIGITS}", (len(texts),)),
     ])  # fmt: skip
-    line, rows = first_line, 0
+    line, rows, size = first_line, 0, path.stat().st_size
     while lines := list(islice(file, _CHUNK_ROWS)):
         advance(sum(map(len, lines)))
-        if not lines[-1].endswith("\n"):
-            raise InputError(
-                f"{path}: line {line + len(lines) - 1}: the last line has no line end, so the file"
-                " seems cut short; write it again (or end the line, if it is whole)"
-            )
+        _require_end(lines, path, line)
         if decimal == ",":
             _require_no_point(lines, path, line, (*columns, *whole), delimiter)
             lines = [text.replace(",", ".") for text in lines]
         rows_of = lines
         if any(COMMENT in text for text in lines):
             rows_of = [text for text in lines if is_content(text)]
-        if any(not text.isspace() for text in rows_of):
+        plain = _scanned(lines, len(rows_of), columns, delimiter, whole, exact, kernels(size))
+        if plain is not None:
+            rows += len(rows_of)
+            yield plain
+        elif any(not text.isspace() for text in rows_of):
             try:
                 table, rounded = _parsed(rows_of, kinds, delimiter, places, whole)
             except (ValueError, OverflowError) as error:
@@ -165,6 +167,51 @@ def number_rows(
         line += len(lines)
     if not rows:
         raise InputError(f"{path}: the log has no samples, give some")
+
+
+def _require_end(lines: list[str], path: Path, first_line: int) -> None:
+    """Refuse a last line without an end."""
+    if not lines[-1].endswith("\n"):
+        raise InputError(
+            f"{path}: line {first_line + len(lines) - 1}: the last line has no line end, so the"
+            " file seems cut short; write it again (or end the line, if it is whole)"
+        )
+
+
+def _scanned(
+    lines: list[str],
+    rows: int,
+    columns: Sequence[Column],
+    delimiter: str | None,
+    whole: Sequence[Column],
+    exact: Column | None,
+    compiled: Kernels | None,
+) -> Rows | None:
+    """Lines of plain numbers, by compiled loops; None where they are not, or not worth it."""
+    if compiled is None or rows != len(lines) or delimiter not in _PLAIN_DELIMITERS:
+        return None
+    text = "".join(lines)
+    if not text.isascii() or COMMENT in text or '"' in text or (exact and " " in text):
+        return None
+    places = np.full(lines[0].count(delimiter) + 1, -1, np.int64)
+    for codes, chosen in ((range(len(columns)), columns), (range(-2, -2 - len(whole), -1), whole)):
+        for code, column in zip(codes, chosen, strict=True):
+            if column.place >= len(places) or places[column.place] != -1:
+                return None
+            places[column.place] = code
+    bits = np.empty((rows, len(columns)), np.uint64)
+    counts = np.empty((rows, len(whole)), np.int64)
+    characters = np.frombuffer(text.encode(), np.uint8)
+    found = compiled.scan_numbers(characters, ord(delimiter), places, compiled.lower, bits, counts)
+    if found != rows:
+        return None
+    values, texts = bits.view(np.float64), np.empty(0, np.str_)
+    if exact is not None:
+        cells = [line.rstrip("\n").split(delimiter)[exact.place] for line in lines]
+        texts = np.array(cells, f"U{_DIGITS}")
+        if max(map(len, cells)) >= _DIGITS:
+            return None
+    return Rows(values, counts, texts)
 
 
 def is_content(line: str) -> bool:

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.checks.breaks import Break, BreakFinder, Policy
+from sculler.formats.lines import Behind
 from sculler.formats.log import read_log
+from sculler.formats.tables import counting
 from sculler.formats.vectors import VectorsWriter
 from sculler.runs.engines import SimulationEngine
 from sculler.words import Advance, plural
@@ -33,6 +35,8 @@ from sculler_sim.stimulus import Stimulus
 
 ModelEngine = Literal["fast", "reference"]
 
+WITHOUT_NUMBA = "computed without Numba, several times more slowly: install sculler[fast]"
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -48,6 +52,7 @@ class Summary:
         breaks: what the log's stamps and its counter showed.
         implausible: counts that no sensor gives, in words.
         clocks: clocks simulated; None for the model.
+        advice: how to have it faster, in words, where there is a way.
     """
 
     design: Design
@@ -62,11 +67,12 @@ class Summary:
     breaks: BreakFinder
     implausible: list[str]
     clocks: int | None = None
+    advice: tuple[str, ...] = ()
 
     @property
     def warnings(self) -> list[str]:
         """What the user should know."""
-        return [*self.breaks.warnings(), *self.implausible]
+        return [*self.breaks.warnings(), *self.implausible, *self.advice]
 
     def as_json(self) -> dict[str, Any]:
         """As plain data."""
@@ -155,7 +161,10 @@ def model_log(
                 yield source.stamped(model.feed(*chunk))
 
     counted = _write(design, blocks(), output)
-    return source.summary(counted, time.perf_counter() - start)
+    summary = source.summary(counted, time.perf_counter() - start)
+    if isinstance(model, FastModel) and model.lacks_numba:
+        return replace(summary, advice=(WITHOUT_NUMBA,))
+    return summary
 
 
 def simulate_log(
@@ -204,6 +213,7 @@ class _Source:
         self._design, self._log, self._advance = design, log, advance
         self._breaks = BreakFinder(design, "stdin" if str(log) == "-" else str(log), policy)
         self._plausibility = Plausibility(design)
+        self._looking = Behind(self._plausibility)
         self._samples = self._left_out = 0
         self._phase = 0  # samples in the interval that is not complete
         self._major = 0  # the interval that is not complete
@@ -227,7 +237,7 @@ class _Source:
             complete, self._phase = divmod(self._phase + len(chunk.counts), span)
             self._major += complete
             self._samples += len(chunk.counts)
-            self._plausibility(chunk.counts, chunk.times)
+            self._looking(chunk.counts, chunk.times)
             yield chunk.counts, chunk.faults
 
     @property
@@ -251,9 +261,11 @@ class _Source:
     ) -> Summary:
         """What the run did, once all samples are through."""
         left_out = self._left_out + self._phase
+        self._looking.finish()
         found = self._plausibility.finish()
+        unit, first = counting(self._log)
         implausible = in_words(
-            found, self._plausibility.counts, lambda sample: f"line {sample + 2}"
+            found, self._plausibility.counts, lambda sample: f"{unit} {sample + first}"
         )
         return Summary(
             self._design,
@@ -284,7 +296,7 @@ def _write(
     """
     results = 0
     marked = dict.fromkeys((STATUS_SHORT_HISTORY, STATUS_FAULT, STATUS_RAIL, STATUS_LOST), 0)
-    with VectorsWriter(output, design.columns, times) as writer:
+    with VectorsWriter(output, design.columns, times, design) as writer:
         for block in blocks:
             writer.write(block)
             results += len(block)

@@ -116,7 +116,12 @@ class Engine(wiring.Component):
         halves = {"operands": code.operands, "actions": code.actions}
         layout = data.StructLayout({k: data.StructLayout(v) for k, v in halves.items()})
         m.submodules.program = words = BlockMemory(
-            self.plan.target, layout.size, code.packed(), written=False, primitive=self.primitive
+            self.plan.target,
+            layout.size,
+            code.packed(),
+            written=False,
+            primitive=self.primitive,
+            logic=not self.design.has_initial_values,
         )
         fetched = data.View(layout, words.data)
         word = Signal(layout["actions"].shape)

@@ -25,6 +25,7 @@ class BlockMemory(wiring.Component):
         width, initial: bits of a word, and what the words hold at first (not after reset).
         written: whether the write port is used.
         primitive: False infers the memory for every target.
+        logic: make words that are never written of logic, which needs no initial contents.
     """
 
     def __init__(
@@ -35,13 +36,18 @@ class BlockMemory(wiring.Component):
         *,
         written: bool = True,
         primitive: bool = True,
+        logic: bool = False,
     ) -> None:
         self.width = width
+        self.logic = logic and not written
         self.initial = [value & (1 << width) - 1 for value in initial]
         self.written = written
         self.latency = target.memory_latency
         self.instantiated = (
-            primitive and target.memory_cell == "DP16KD" and len(self.initial) <= 2048
+            primitive
+            and not self.logic
+            and target.memory_cell == "DP16KD"
+            and len(self.initial) <= 2048
         )
         address = range(max(len(self.initial), 2))
         super().__init__(
@@ -57,7 +63,9 @@ class BlockMemory(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
-        if self.instantiated:
+        if self.logic:
+            self._logic(m)
+        elif self.instantiated:
             self._blocks(m)
         else:
             self._inferred(m)
@@ -76,8 +84,20 @@ class BlockMemory(wiring.Component):
                 write.data.eq(self.write_data),
                 write.en.eq(self.write),
             ]
-        data: Value = read.data
-        for _ in range(self.latency - 1):
+        self._later(m, read.data, self.latency - 1)
+
+    def _logic(self, m: Module) -> None:
+        """A word for each address, as a table."""
+        word = Signal(unsigned(self.width))
+        with m.Switch(self.address):
+            for address, value in enumerate(self.initial):
+                with m.Case(address):
+                    m.d.comb += word.eq(value)
+        self._later(m, word, self.latency)
+
+    def _later(self, m: Module, data: Value, steps: int) -> None:
+        """Show data some steps later."""
+        for _ in range(steps):
             register = Signal(unsigned(self.width), name="output_reg", reset_less=True)
             with m.If(self.step):
                 m.d.sync += register.eq(data)

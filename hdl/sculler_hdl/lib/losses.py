@@ -45,7 +45,9 @@ class Losses(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
-        refused, withdrawn, untold = Signal(), Signal(), Signal()
+        refused = Signal()
+        withdrawn = Signal()
+        untold = Signal()
         m.d.sync += [
             refused.eq(self.sample_valid & ~self.sample_ready),
             withdrawn.eq(refused & ~self.sample_valid),

@@ -68,7 +68,7 @@ class MultiplierBlock(wiring.Component):
                 right.eq(self.right),
                 self.output.eq(product[: len(self.output)]),
             ]
-            m.submodules.block = _CELLS[cell](left, right, product)
+            m.submodules.dsp = _CELLS[cell](left, right, product)
             return m
         left = Signal.like(self.left, name="left_reg", reset_less=True)
         right = Signal.like(self.right, name="right_reg", reset_less=True)

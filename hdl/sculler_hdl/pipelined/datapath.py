@@ -159,7 +159,7 @@ class Datapath:
     def _array(self, place: str, operands: tuple[Vector, ...], launch: Value) -> None:
         """An array of cross products, whose flags leave the sequencer without delay."""
         m, plan = self.m, self.schedule.arrays[place]
-        m.submodules[place] = array = CrossArray(
+        m.submodules[f"cross_{place}"] = array = CrossArray(
             plan,
             self.schedule.launches[place],
             primitive=self.primitive,

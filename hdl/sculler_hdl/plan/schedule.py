@@ -270,7 +270,7 @@ class Schedule:
 
         The groups are those of `CrossArrayPlan.block_groups`.
         """
-        arrays = dict(self.arrays)
+        arrays = {f"cross_{place}": array for place, array in self.arrays.items()}
         if self.position is not None:
             arrays["position.scrolling"] = self.position.array
         groups = [

@@ -117,9 +117,10 @@ class Balance:
             count: how many distances.
         """
         power = self.response.power(phase)
-        half_sine, _ = sine_cosine(phase / 2)
+        half_sine, half_cosine = sine_cosine(phase / 2)
+        multiples = sines(half_sine, half_cosine, max(count, self.samples))
         sample = phase * phase if self.kind == "rate" else 4 * half_sine * half_sine
-        total_sine, _ = sine_cosine(self.samples * phase)
+        total_sine = multiples[self.samples - 1]
         if self.kind == "increment" or self.sum == "zeng":
             between = total_sine / 2
         elif self.sum == "plain":
@@ -129,7 +130,7 @@ class Balance:
             between = self._weight_power(phase) * phase * phase * c / s / 4
         scale = power * sample
         return (
-            [scale * value for value in sines(phase, count)],
+            [scale * value for value in multiples[:count]],
             self.samples * phase / 2 - power * between,
         )
 

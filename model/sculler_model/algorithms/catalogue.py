@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache
 from typing import Literal
@@ -127,7 +127,7 @@ def _term(a: int, b: int) -> str:
     return f"g{a}×g{b}"
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=1024)
 def make(recipe: Recipe) -> Made:
     """Design the table of a recipe.
 
@@ -137,6 +137,8 @@ def make(recipe: Recipe) -> Made:
     _check(recipe)
     n, p = recipe.samples, recipe.history
     compressed = recipe.base if recipe.family == "uncompressed" else recipe.family
+    if compressed in TABLES and recipe.sample_rate != 1:  # the same table at every rate
+        return make(replace(recipe, sample_rate=Fraction(1)))
     made = _compressed(recipe, compressed)
     if recipe.family != "uncompressed":
         return made

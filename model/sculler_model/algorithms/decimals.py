@@ -20,6 +20,7 @@ def exact(value: Fraction | int) -> Decimal:
     return Decimal(value.numerator) / Decimal(value.denominator)
 
 
+@lru_cache(maxsize=4096)
 def rational(value: float) -> Fraction:
     """The shortest decimal number that reads back as the float: 0.1 is one tenth."""
     return Fraction(repr(value))
@@ -72,10 +73,15 @@ def sinc(x: Decimal) -> Decimal:
     return sine_cosine(x)[0] / x if x else Decimal(1)
 
 
-def sines(phase: Decimal, count: int) -> list[Decimal]:
-    """sin λ, sin 2λ, ..., sin count·λ, by sin (d+1)λ = 2 cos λ sin dλ - sin (d-1)λ."""
-    sine, cosine = sine_cosine(phase)
-    values = [Decimal(0), sine]
+def sines(half_sine: Decimal, half_cosine: Decimal, count: int) -> list[Decimal]:
+    """sin λ, sin 2λ, ..., sin count·λ, by sin (d+1)λ = 2 cos λ sin dλ - sin (d-1)λ.
+
+    Args:
+        half_sine, half_cosine: of λ/2.
+        count: how many, 1 or more.
+    """
+    values = [Decimal(0), 2 * half_sine * half_cosine]
+    twice = 2 - 4 * half_sine * half_sine  # 2 cos λ
     while len(values) <= count:
-        values.append(2 * cosine * values[-1] - values[-2])
+        values.append(twice * values[-1] - values[-2])
     return values[1 : count + 1]

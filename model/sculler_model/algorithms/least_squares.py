@@ -6,12 +6,15 @@ over a power of two by a lattice search, so that the generated hardware is the s
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from decimal import Decimal, localcontext
+from decimal import Decimal, getcontext, localcontext
 from fractions import Fraction
+from functools import lru_cache
 from itertools import pairwise
 from math import ceil
+from operator import itemgetter
 
 from sculler_model.algorithms.balance import Balance
 from sculler_model.algorithms.decimals import exact, pi
@@ -75,15 +78,15 @@ class Band:
     def weight(self, hertz: Fraction) -> Decimal:
         """At a frequency inside the band."""
         weight = Decimal(1)
-        for (low, w0), (high, w1) in pairwise(self.points):
-            if low <= hertz <= high:
-                if self.logarithmic:
-                    share = exact(hertz / low).ln() / exact(high / low).ln()
-                    weight = exact(w0) * (share * exact(w1 / w0).ln()).exp()
-                else:
-                    share = exact((hertz - low) / (high - low))
-                    weight = exact(w0) + exact(w1 - w0) * share
-                break
+        at = bisect_left(self.points, hertz, key=itemgetter(0))
+        if 0 < at < len(self.points) or (self.points and hertz == self.points[0][0]):
+            (low, w0), (high, w1) = self.points[max(at - 1, 0)], self.points[max(at, 1)]
+            if self.logarithmic:
+                share = exact(hertz / low).ln() / _logarithm(high / low, getcontext().prec)
+                weight = exact(w0) * (share * _logarithm(w1 / w0, getcontext().prec)).exp()
+            else:
+                share = exact((hertz - low) / (high - low))
+                weight = exact(w0) + exact(w1 - w0) * share
         return weight * exact(self.mount.power(hertz)) if self.mount else weight
 
     def panels(self, widest: Fraction) -> Iterator[tuple[Fraction, Fraction]]:
@@ -97,6 +100,14 @@ class Band:
             count = ceil((high - low) / widest)
             step = (high - low) / count
             yield from ((low + i * step, low + (i + 1) * step) for i in range(count))
+
+
+@lru_cache(maxsize=1024)
+def _logarithm(value: Fraction, digits: int) -> Decimal:
+    """To the digits of the context; a band's pieces ask for the same ones at each point."""
+    with localcontext() as context:
+        context.prec = digits
+        return exact(value).ln()
 
 
 @dataclass(frozen=True)
@@ -239,12 +250,14 @@ def _points(balance: Balance, count: int, band: Band, sample_rate: Fraction) -> 
     width = band.high_hz - band.low_hz
     widest = min(sample_rate / (4 * highest), width / 16)
     points = _Points([], [], [], [])
-    offset = exact(Fraction(3, 5)).sqrt() / 2
+    offset = Fraction(exact(Fraction(3, 5)).sqrt() / 2)
+    places = [Fraction(1, 2) + away for away in (-offset, Fraction(0), offset)]
+    turn = 2 * pi()
     for low, high in band.panels(widest):
-        for share, place in zip(_NODES, (-offset, Decimal(0), offset), strict=True):
-            hertz = low + (high - low) * (Fraction(1, 2) + Fraction(place))
+        for share, place in zip(_NODES, places, strict=True):
+            hertz = low + (high - low) * place
             weight = band.weight(hertz) * exact(share * (high - low))
-            phase = 2 * pi() * exact(hertz / sample_rate)
+            phase = turn * exact(hertz / sample_rate)
             row, right = balance.terms(phase, count)
             points.rows.append(row)
             points.right.append(right)
@@ -262,6 +275,8 @@ def _check_response(response: Response, hertz: Sequence[Fraction], sample_rate: 
     Raises:
         InputError: naming the frequency where it does not.
     """
+    if not response.stages:
+        return
 
     def power(frequency: Fraction) -> Decimal:
         return response.power(2 * pi() * exact(frequency / sample_rate))
@@ -274,7 +289,7 @@ def _check_response(response: Response, hertz: Sequence[Fraction], sample_rate: 
             if value > min(powers[before], powers[after]):
                 continue
             low, high = hertz[before], hertz[after]
-            for _ in range(20 if response.stages else 0):  # a dip: down to its bottom
+            for _ in range(20):  # a dip: down to its bottom
                 third = (high - low) / 3
                 if power(low + third) < power(high - third):
                     high -= third

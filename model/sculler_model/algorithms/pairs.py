@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from math import gcd, lcm
 
 from sculler_model.algorithms.series import Series
@@ -75,6 +76,7 @@ def manoeuvre_terms(largest_power: int | None = None) -> Iterator[ManoeuvreTerm]
         order += 1
 
 
+@lru_cache(maxsize=4096)
 def power_increment(samples: int, i: int, a: int) -> Fraction:
     """s_i of the rate τ^a: the integral over sample i, from i-1 to i, of (t - n/2)^a."""
     middle = Fraction(samples, 2)

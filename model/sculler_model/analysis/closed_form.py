@@ -69,10 +69,9 @@ def algorithm_correction(table: TapTable, phase: ArrayLike) -> Array:
     """
     phase = np.asarray(phase, np.float64)
     total = np.zeros_like(phase)
-    for row in table.taps:
-        for d, tap in enumerate(row, start=1):
-            if tap:
-                total = total + tap * np.sin(d * phase)
+    for d, K in enumerate(map(sum, zip(*table.taps, strict=True)), start=1):
+        if K:  # all that coning sees of taps at a distance is their sum
+            total = total + K * np.sin(d * phase)
     correction: Array = _sample_power(phase) * total / table.denominator
     return correction
 

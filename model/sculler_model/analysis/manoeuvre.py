@@ -9,10 +9,12 @@ fourth power of the step, is below rounding.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import ceil, floor, radians, sqrt
 
 import numpy as np
 from numpy.polynomial import Polynomial
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from sculler_model.analysis.integer_path import (
@@ -52,13 +54,22 @@ class Manoeuvre:
         """ω (N, 3), rad/s, at times t (N,), s."""
         u = t / self.duration
         inside = ((u >= 0) & (u <= 1))[:, None]
-        values: Array = np.where(inside, np.stack([p(u) for p in self.rates], axis=1), 0.0)
-        return values
+        return np.where(inside, np.asarray(polyval(u, self._powers[0]), np.float64).T, 0.0)
 
     def angle(self, t: Array) -> Array:
         """Integral of ω from 0 to t, (N, 3), rad."""
         u = np.clip(t / self.duration, 0.0, 1.0)
-        return self.duration * np.stack([p.integ()(u) for p in self.rates], axis=1)
+        return self.duration * np.asarray(polyval(u, self._powers[1]), np.float64).T
+
+    @cached_property
+    def _powers(self) -> tuple[Array, Array]:
+        """Coefficients of ω and of its integral, a column an axis."""
+
+        def columns(polynomials: list[Polynomial]) -> Array:
+            longest = max(len(p.coef) for p in polynomials)
+            return np.stack([np.pad(p.coef, (0, longest - len(p.coef))) for p in polynomials], 1)
+
+        return columns([*self.rates]), columns([p.integ() for p in self.rates])
 
     def samples(self, design: Design, count: int) -> Array:
         """(count, 6) samples over intervals from time 0 on as the sensor gives them; no force.
@@ -126,17 +137,18 @@ MANOEUVRES = {
 """By name; peak rates in °/s."""
 
 
-def second_order_steps(manoeuvre: Manoeuvre, times: Array) -> Array:
+def second_order_steps(manoeuvre: Manoeuvre, times: Array, nodes: int = 12) -> Array:
     """Exact α + ½ ∫ α × ω over consecutive steps (Savage-20 Eq. 2).
 
     Args:
         manoeuvre: the rates.
         times: (R + 1,) ends of the steps, s.
+        nodes: of Gauss and Legendre's rule; so many are exact to degree 2 nodes - 1.
 
     Returns:
         (R, 3) rad.
     """
-    node, weight = np.polynomial.legendre.leggauss(12)  # exact to degree 23
+    node, weight = np.polynomial.legendre.leggauss(nodes)
     start, step = times[:-1], np.diff(times)
     begin = manoeuvre.angle(start)
     phi = manoeuvre.angle(times[1:]) - begin
@@ -151,7 +163,8 @@ def true_attitude(manoeuvre: Manoeuvre, times: Array) -> Array:
     """(R, 4) quaternions at times[1:] (equal steps), body to the frame at times[0]."""
     fine = -(-FINE_STEPS // (len(times) - 1))
     steps = np.linspace(times[0], times[-1], fine * (len(times) - 1) + 1)
-    return running_attitude(second_order_steps(manoeuvre, steps))[fine - 1 :: fine]
+    short = second_order_steps(manoeuvre, steps, nodes=4)  # over these the motion is nearly linear
+    return running_attitude(short)[fine - 1 :: fine]
 
 
 @dataclass(frozen=True)

@@ -59,18 +59,33 @@ def third_order_vectors(design: Design, counts: ArrayLike) -> ThirdOrderVectors:
     Raises:
         InputError: as `FastModel.feed`.
     """
+    return composed(*minor_vectors(design, counts), design.algorithm.minors)
+
+
+def minor_vectors(design: Design, counts: ArrayLike) -> tuple[Integers, Integers]:
+    """What each minor interval of a sequence of samples has of theta and of coning_within, (R, 3).
+
+    Raises:
+        InputError: as `FastModel.feed`.
+    """
     # the same core with M = 1 hands over every minor interval's theta and within
     single = design.model_copy(
         update={"algorithm": design.algorithm.model_copy(update={"minors": 1})}
     )
     single = Design.parse(single.as_json())
     minors = run_fast(single, counts)
-    M = design.algorithm.minors
-    majors = len(minors) // M
-    theta, within = (
-        minors.vector(name)[: majors * M].astype(object).reshape(majors, M, 3)
-        for name in ("alpha", "coning_within")
-    )
+    return minors.vector("alpha").astype(object), minors.vector("coning_within").astype(object)
+
+
+def composed(theta: Integers, within: Integers, minors: int) -> ThirdOrderVectors:
+    """The accumulators of all complete major intervals.
+
+    Args:
+        theta, within: (R, 3) of consecutive minor intervals (`minor_vectors`).
+        minors: M, of them in a major interval.
+    """
+    M, majors = minors, len(theta) // minors
+    theta, within = (each[: majors * M].reshape(majors, M, 3) for each in (theta, within))
     alpha, coning_within, coning_between, third_within, third_between = (
         np.zeros((majors, 3), object) for _ in range(5)
     )

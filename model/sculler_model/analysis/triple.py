@@ -7,6 +7,7 @@ form them (`sculler_model.analysis.third_order`, a study).  All three run on the
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.analysis.integer_path import changed, running_attitude, with_fine_sensor
-from sculler_model.analysis.third_order import third_order_vectors
+from sculler_model.analysis.third_order import composed, minor_vectors
 from sculler_model.design import Design
 from sculler_model.fast import run_fast
 from sculler_model.frames import Quaternion, conjugate, product, to_rotation_vector
@@ -79,32 +80,37 @@ class Left:
     integers: float
 
 
-def left(design: Design, motion: ConingTurn, minors: int, seconds: float) -> Left:
-    """Drift over a run on a sensor too fine to matter.
+def left(
+    design: Design, motion: ConingTurn, minors: Sequence[int], seconds: float
+) -> Iterator[Left]:
+    """Drift over a run on a sensor too fine to matter, for several M.
+
+    Motion, counts and minor intervals are the same whatever M, and computed once.
 
     Args:
         design: sample rate and coefficients (increments).
         motion: the motion.
-        minors: M, in place of the design's.
+        minors: values of M, in place of the design's.
         seconds: length of the run, cut to whole major intervals.
     """
-    design = changed(design, algorithm={"minors": minors})
-    interval = design.sample_interval
-    count = int(seconds / design.major_interval) * design.samples_per_major
-    samples = motion.increments(interval, count)
+    interval, n = design.sample_interval, design.algorithm.samples
+    majors = {M: int(seconds / (M * n * interval)) for M in minors}
+    samples = motion.increments(interval, max(M * n * majors[M] for M in minors))
     design = with_fine_sensor(design, float(np.abs(samples).max()))
     counts = Quantiser(design)(samples)
-    block = run_fast(design, counts)
-    second = major_increments(design, block).phi
-    found = (
-        second,
-        major_increments(design, block, third_order=True).phi,
-        second + third_order_vectors(design, counts).rotation(design),
-    )
-    true = product(conjugate(motion.attitude(0.0)), motion.attitude(count * interval))
-    drifts = []
-    for phi in found:
-        w, x, y, z = running_attitude(phi)[-1].tolist()
-        error = to_rotation_vector(product((w, x, y, z), conjugate(true)))
-        drifts.append(float(np.linalg.norm(error)) / (count * interval))
-    return Left(minors, *drifts)
+    theta, within = minor_vectors(design, counts)
+    start = conjugate(motion.attitude(0.0))
+    for M in minors:
+        of_this, whole = changed(design, algorithm={"minors": M}), M * majors[M]
+        block = run_fast(of_this, counts[: n * whole])
+        second = major_increments(of_this, block).phi
+        third = composed(theta[:whole], within[:whole], M).rotation(of_this)
+        found = (second, major_increments(of_this, block, third_order=True).phi, second + third)
+        end = n * whole * interval
+        true = product(start, motion.attitude(end))
+        drifts = []
+        for phi in found:
+            w, x, y, z = running_attitude(phi)[-1].tolist()
+            error = to_rotation_vector(product((w, x, y, z), conjugate(true)))
+            drifts.append(float(np.linalg.norm(error)) / end)
+        yield Left(M, *drifts)

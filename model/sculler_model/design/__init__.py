@@ -7,7 +7,7 @@ It imports `algorithms`.
 
 from sculler_model.design.design import Design
 from sculler_model.design.hardware import Hardware
-from sculler_model.design.names import name_fault
+from sculler_model.design.names import RESERVED_WORDS, name_fault
 from sculler_model.design.presets import PRESETS
 from sculler_model.design.result import (
     AXES,
@@ -42,6 +42,7 @@ __all__ = [
     "HIGH_RESOLUTION_VECTORS",
     "MAX_BITS",
     "PRESETS",
+    "RESERVED_WORDS",
     "STATUS_BITS",
     "STATUS_FAULT",
     "STATUS_LOST",

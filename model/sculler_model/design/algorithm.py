@@ -208,7 +208,7 @@ def require_narrow(table: TapTable, sensor: Sensor, algorithm: Algorithm) -> Non
     Raises:
         InputError: its denominators or results are wider than `MAX_BITS`.
     """
-    words = word_lengths(sensor.gyro.bits, sensor.accel.bits, algorithm.minors, table)
+    words = word_lengths(sensor.gyro.bits, sensor.accel.bits, algorithm.minors, table, False)
     widths = {vector: getattr(words, vector).bits for vector in VECTORS}
     widths["denominator"] = table.denominator.bit_length()
     widths["sum_denominator"] = table.sum_denominator.bit_length()

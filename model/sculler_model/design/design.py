@@ -197,6 +197,11 @@ class Design(Part):
         return self.hardware.overrun == "drop-result"
 
     @property
+    def has_initial_values(self) -> bool:
+        """Whether registers and memories have values before the first reset."""
+        return self.hardware.initial is not False
+
+    @property
     def high_resolution(self) -> bool:
         """Whether it hands over what high-resolution position needs."""
         return self.algorithm.position == "high-resolution"

@@ -25,6 +25,9 @@ class Hardware(Part):
             default: the sensor is made to wait, and a sample that cannot is lost, which status
             bit 3 tells; "drop-result": the oldest result that waits, which `results_dropped`
             tells.
+        initial: whether the text gives registers and memories the values they have before the
+            first reset, which is the default.  False leaves them out, for devices and ASICs that
+            have none; then nothing means anything until `rst` has been high in one clock.
     """
 
     core: Annotated[
@@ -46,6 +49,13 @@ class Hardware(Part):
         Literal["drop-sample", "drop-result"] | None,
         Field(description='"drop-sample" or "drop-result"'),
     ] = None
+
+    initial: Annotated[bool | None, Field(description="true or false")] = None
+
+    @field_validator("initial")
+    @classmethod
+    def _with_initial_values_is_left_unsaid(cls, value: bool | None) -> bool | None:
+        return None if value else value
 
     @field_validator("overrun")
     @classmethod

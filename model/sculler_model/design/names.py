@@ -52,6 +52,9 @@ VHDL = frozenset(
 )
 """Reserved words of IEEE 1076-2008, clause 15.10."""
 
+RESERVED_WORDS = SYSTEM_VERILOG | VHDL
+"""What no signal or module of the emitted Verilog is called."""
+
 _VHDL_LIBRARIES = frozenset(("work", "std", "ieee"))
 _VERILATORS = frozenset(("std", "randomize"))  # its own package, and a function it parses anywhere
 _PORTS = frozenset(("clk", "rst"))

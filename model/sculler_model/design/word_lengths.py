@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import lru_cache, reduce
 
 from sculler_model.algorithms import TapTable, scrolling_weights_total
 
@@ -127,6 +127,7 @@ class WordLengths:
     """Over 4320."""
 
 
+@lru_cache(maxsize=1024)
 def word_lengths(
     gyro_bits: int, accel_bits: int, minors: int, table: TapTable, high_resolution: bool = False
 ) -> WordLengths:

@@ -18,7 +18,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from hashlib import sha256
 from inspect import getsource
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -233,22 +232,18 @@ def _position_of(counts, first, N, sum_like, like, results):  # type: ignore[no-
         put_left(results, major, 24, halves_added(scrolling), like)
 
 
-def digest_of(sources: ModuleType) -> str:
-    """What tells a module's text from any other."""
-    return sha256(getsource(sources).encode()).hexdigest()[:16]
-
-
 def _compiled(function: Callable[..., Any]) -> Any:
     """The function in machine code, which Numba keeps between processes.
 
     Numba sees only a change of this file: with the other's text in its name the code of another
     version has a file of its own.
     """
-    function.__qualname__ = f"{function.__name__}_{digest_of(lanes)}"
+    function.__qualname__ = f"{function.__name__}_{_SOURCES}"
     try:
         return njit(nogil=True, cache=True)(function)
     except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
         return njit(nogil=True)(function)
 
 
+_SOURCES = sha256(getsource(lanes).encode()).hexdigest()[:16]
 _vectors, _position = _compiled(_vectors_of), _compiled(_position_of)

@@ -67,8 +67,10 @@ class FastModel:
         design: the design.
         block: samples computed at a time; makes no difference to the results.
         few_minors: see `Arithmetic`; makes none either.
+        threads: blocks computed at the same time; `THREADS` if left out.
         compiled: whether to go through Numba; if left out, where it is installed and there have
             been `WORTH_COMPILING` samples.
+        expected: samples that will come, if known; so many need not be waited for.
 
     Attributes:
         design: the design.
@@ -84,15 +86,19 @@ class FastModel:
         *,
         block: int = BLOCK,
         few_minors: int = FEW_MINORS,
+        threads: int = THREADS,
         compiled: bool | None = None,
+        expected: int = 0,
     ) -> None:
         self.design = design
         self._block = max(block // design.samples_per_major, 1)
-        self._arithmetics = [Arithmetic(design, block, few_minors) for _ in range(THREADS)]
+        self._arithmetics = [Arithmetic(design, block, few_minors) for _ in range(threads)]
         self._arithmetic = self._arithmetics[0]
+        self._threads = threads
         self._compiled = compiled
         self._kernel: Kernel | None = None
         self._taken = 0  # samples, whether or not reset
+        self._expected = expected
         if compiled:
             kernel = kernel_class()
             if kernel is None:
@@ -111,6 +117,11 @@ class FastModel:
     def leftover(self) -> int:
         """Samples in the incomplete major interval so far."""
         return self.samples % self.design.samples_per_major
+
+    @property
+    def lacks_numba(self) -> bool:
+        """Whether there were samples enough to be compiled for, but Numba is missing."""
+        return self._taken >= WORTH_COMPILING and kernel_class() is None
 
     def feed(self, counts: ArrayLike, faults: ArrayLike | None = None) -> VectorBlock:
         """Take consecutive samples and return the major intervals they complete.
@@ -174,7 +185,7 @@ class FastModel:
             # first what reaches into the rows that were kept, which must be copied
             head = min(-(-len(rows.kept) // span), majors)
             edges = sorted({0, *range(head, majors, self._block), majors})
-            _share(partial(self._by_kernel, kernel, rows, results, rails), edges)
+            _share(partial(self._by_kernel, kernel, rows, results, rails), edges, self._threads)
         return from_limbs(results), rails
 
     def _by_kernel(
@@ -189,7 +200,7 @@ class FastModel:
         """Fill in the results of some major intervals."""
         span, history = self.design.samples_per_major, self._arithmetic.history
         begin, end = first * span, last * span + history
-        if not np.can_cast(rows.counts.dtype, np.int64):  # the greatest would wrap
+        if rows.counts.dtype.kind == "u":  # the greatest would wrap
             self._check_rows(rows, begin, end)
         narrow = np.can_cast(rows.counts.dtype, np.int32)
         block = rows[begin:end].astype(np.int32 if narrow else np.int64, copy=False)
@@ -219,11 +230,11 @@ class FastModel:
             rails[first:last] = self._at_rail(block[history:])
 
         majors = len(results)
-        _share(compute, [*range(0, majors, self._arithmetic.majors), majors])
+        _share(compute, [*range(0, majors, self._arithmetic.majors), majors], self._threads)
 
     def _kernel_if_worth(self, rows: _Rows) -> Kernel | None:
         """The kernel, if Numba is there and with these samples there are enough."""
-        worth = self._taken + len(rows.counts) >= WORTH_COMPILING
+        worth = max(self._taken + len(rows.counts), self._expected) >= WORTH_COMPILING
         if self._kernel is None and self._compiled is None and worth:
             kernel = kernel_class()
             self._kernel = None if kernel is None else kernel(self.design)
@@ -272,14 +283,15 @@ def kernel_class() -> type[Kernel] | None:
     return Kernel
 
 
-def _share(compute: Callable[[int, int], None], edges: Sequence[int]) -> None:
+def _share(compute: Callable[[int, int], None], edges: Sequence[int], threads: int) -> None:
     """Compute what lies between the edges, on several threads."""
-    if len(edges) == 2:
-        compute(*edges)
+    if len(edges) == 2 or threads == 1:
+        for edge in pairwise(edges):
+            compute(*edge)
         return
     # numpy and the kernel let go of the interpreter, so threads share the blocks out; `map` gives
     # their ends in order, and so the first block's fault
-    with ThreadPoolExecutor(THREADS) as pool:
+    with ThreadPoolExecutor(threads) as pool:
         for _ in pool.map(lambda edge: compute(*edge), pairwise(edges)):
             pass
 

@@ -98,8 +98,8 @@ def from_rotation_vector(phi: Vector) -> Quaternion:
     x, y, z = phi
     square = x * x + y * y + z * z
     if square < 1e-4:  # sin(a/2)/a by series, the next terms are below 3e-17
-        half_sinc = 0.5 - square * (1 / 48 - square / 3840)
-        w = 1 - square * (1 / 8 - square / 384)
+        half_sinc = 0.5 - square * (1 / 48 - square * (1 / 3840))
+        w = 1 - square * (1 / 8 - square * (1 / 384))
     else:
         angle = sqrt(square)
         half_sinc, w = sin(0.5 * angle) / angle, cos(0.5 * angle)
@@ -176,7 +176,17 @@ def to_euler(q: Quaternion) -> Vector:
 
 def euler_angles(q: NDArray[np.float64]) -> NDArray[np.float64]:
     """`to_euler` for many: (N, 4) quaternions to (N, 3) roll, pitch, heading (rad)."""
-    return np.array([to_euler(tuple(row)) for row in q.tolist()]).reshape(-1, 3)
+    w, x, y, z = np.ascontiguousarray(q.T)
+    sin_pitch = 2 * (w * y - x * z)
+    forward_n, forward_e = 1 - 2 * (y * y + z * z), 2 * (x * y + w * z)
+    cos_pitch = np.hypot(forward_n, forward_e)
+    angles = np.empty((len(q), 3))
+    angles[:, 0] = np.arctan2(2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
+    angles[:, 1] = np.arctan2(sin_pitch, cos_pitch)
+    angles[:, 2] = np.arctan2(forward_e, forward_n)
+    for row in np.flatnonzero(cos_pitch < 1e-9).tolist():  # straight up or down
+        angles[row] = to_euler(tuple(q[row].tolist()))
+    return angles
 
 
 @dataclass(frozen=True)

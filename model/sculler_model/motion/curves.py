@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import factorial, pi
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,25 +117,25 @@ class Spline:
         padded = np.concatenate((before, known, after))
         # differences first: a derivative is then as exact as its own size allows
         self._differences = [np.diff(padded, order) / step**order for order in range(3)]
+        self._points = [self._around(order) for order in range(3)]
+
+    def _around(self, order: int) -> tuple[Array, Array]:
+        """By cell, the middle one of its points, and what each point (k, cell) has more."""
+        values, width = self._differences[order], SPLINE_DEGREE - order + 1
+        cells = len(values) - width + 1
+        points = np.stack([values[k : k + cells] for k in range(width)])
+        middle = points[(width - 1) // 2]
+        return middle, points - middle
 
     def jet(self, t: Array) -> Jet:
         """Value, first and second derivative at times t (s)."""
-        x = t / self.step
-        inside = np.clip(np.floor(x), -4, len(self.points) + 2)  # straight lines beyond
-        cell = inside.astype(np.intp) + (SPLINE_DEGREE - 3)  # the leftmost point of eight, padded
-        u = np.clip(x - inside, 0, 1)
-        weights = [np.ones_like(u)]
+        cell, beyond, weights = _places(t, self.step, len(self.points))
         sums = []
-        for degree in range(1, SPLINE_DEGREE + 1):
-            weights = _next_weights(weights, degree, u)
-            order = SPLINE_DEGREE - degree
-            if order < 3:
-                values = self._differences[order]
-                middle = values[cell + degree // 2]  # equal points give just themselves
-                near = [w * (values[cell + k] - middle) for k, w in enumerate(weights)]
-                sums.append(middle + sum(near))
-        second, first, value = sums
-        beyond = t - self.step * (inside + u)
+        for order, (middle, more) in enumerate(self._points):
+            # equal points give just themselves
+            near = (w * row[cell] for w, row in zip(weights[order], more, strict=True))
+            sums.append(middle[cell] + sum(near))
+        value, first, second = sums
         return np.asarray(value + beyond * first), np.asarray(first), np.asarray(second)
 
     @property
@@ -149,17 +149,51 @@ class Spline:
         return float(np.abs(self._differences[1]).max())
 
 
+class _Places(NamedTuple):
+    """Where instants are among the control points of a `Spline`.
+
+    Attributes:
+        cell: by instant, the leftmost point of eight, padded.
+        beyond: s past the ends' cells.
+        weights: of the points in the value, the first and the second derivative.
+    """
+
+    cell: NDArray[np.intp]
+    beyond: Array
+    weights: list[list[Array]]
+
+
+_latest: list[tuple[Array, float, int, _Places]] = []
+"""The places of the last instants: a motion asks all of its splines about the same ones."""
+
+
+def _places(t: Array, step: float, points: int) -> _Places:
+    for instants, same_step, same_points, places in _latest:
+        if (same_step, same_points) == (step, points) and np.array_equal(instants, t):
+            return places
+    x = t / step
+    inside = np.clip(np.floor(x), -4, points + 2)  # straight lines beyond
+    cell = inside.astype(np.intp) + (SPLINE_DEGREE - 3)
+    u = np.clip(x - inside, 0, 1)
+    weights, kept = [np.ones_like(u)], []
+    for degree in range(1, SPLINE_DEGREE + 1):
+        weights = _next_weights(weights, degree, u)
+        if degree > SPLINE_DEGREE - 3:
+            kept.append(weights)
+    places = _Places(cell, t - step * (inside + u), kept[::-1])
+    _latest[:] = [(t.copy(), step, points, places)]
+    return places
+
+
 def _next_weights(weights: list[Array], degree: int, u: Array) -> list[Array]:
     """B-spline weights of a degree at the place u (0..1) of a cell, from those one degree lower.
 
     Weight k belongs to the k-th control point from the left; all are positive and sum to 1.
     """
-    higher = [np.zeros_like(u) for _ in range(degree + 1)]
-    for k, weight in enumerate(weights):
-        rising = (u + (degree - 1 - k)) * weight / degree
-        higher[k + 1] += rising
-        higher[k] += weight - rising
-    return higher
+    rising = [(u + (degree - 1 - k)) * weight / degree for k, weight in enumerate(weights)]
+    falling = [weight - part for weight, part in zip(weights, rising, strict=True)]
+    between = [a + b for a, b in zip(rising, falling[1:], strict=False)]
+    return [falling[0], *between, rising[-1]]
 
 
 @dataclass(frozen=True)

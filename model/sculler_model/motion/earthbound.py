@@ -35,8 +35,7 @@ from sculler_model.frames import (
     Vectors,
     conjugate,
     cross,
-    gravity,
-    gravity_lean,
+    normal_gravity,
     product,
     radii,
     rotate,
@@ -144,11 +143,11 @@ class Motion(Sampled):
         twice = (2 * ie[0] + en[0], 2 * ie[1] + en[1], 2 * ie[2] + en[2])
         coriolis = cross(twice, path.velocity)
         change = path.acceleration
-        leaning = gravity_lean(path.sin_lat, path.h[0])
+        leaning, down = normal_gravity(path.sin_lat, path.h[0])
         force = (
             change[0] + coriolis[0] - leaning * path.k[0],
             change[1] + coriolis[1] - leaning * path.k[1],
-            change[2] + coriolis[2] - gravity(path.sin_lat, path.h[0]),
+            change[2] + coriolis[2] - down,
         )
         rate = path.body_rate
         turning = (frame[0] + rate[0], frame[1] + rate[1], frame[2] + rate[2])

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
+from functools import lru_cache
 from math import lgamma, log
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from sculler_model.motion.curves import Array
 
@@ -29,6 +31,56 @@ def legendre_nodes(phase: float) -> tuple[Array, Array]:
             n += 1
     nodes, weights = np.polynomial.legendre.leggauss(n)
     return 0.5 * (nodes + 1), 0.5 * weights
+
+
+class PanelRule(NamedTuple):
+    """Means over each of equal parts of a panel, from values at a few nodes of it.
+
+    Attributes:
+        nodes: (n,) on 0..1, the panel.
+        weights: (m, n) of the nodes in the mean of each part.
+    """
+
+    nodes: Array
+    weights: Array
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Parts, nodes."""
+        many, nodes = self.weights.shape
+        return many, nodes
+
+
+_PANEL_PHASE, _MOST_PARTS, _AT_ONCE = 0.125, 32, 4096
+
+
+@lru_cache(maxsize=64)
+def panel_rule(phase: float) -> PanelRule:
+    """The rule for a motion whose waves turn by so many radians in a sample interval.
+
+    Fast ones get Gauss-Legendre quadrature of every sample.  Slow ones are the same smooth curve
+    over many samples: the polynomial through Gauss-Legendre nodes of a panel of up to 32 samples,
+    at most `_PANEL_PHASE` rad long, is integrated over each of them.  Over a wave of phase λ
+    n nodes leave less than λ^n n!/(2n)! of its amplitude; n is the first that brings it below
+    1e-17.  So short a panel is safe at the knots of a `Spline` too.
+    """
+    many = 1
+    while many < _MOST_PARTS and 2 * many * phase <= _PANEL_PHASE:
+        many *= 2
+    if many == 1:
+        nodes, weights = legendre_nodes(phase)
+        return PanelRule(nodes, weights[None])
+    wave, n = many * phase, 2
+    while wave and n * log(wave) + lgamma(n + 1) - lgamma(2 * n + 1) > log(1e-17):
+        n += 1
+    # Σ_i (2i + 1)/2 P_i(x_k) P_i(x) g_k is 1 at node k and 0 at the others
+    nodes, gauss = legendre.leggauss(n)
+    factors = legendre.legvander(nodes, n - 1) * (np.arange(n) + 0.5) * gauss[:, None]
+    inner, shares = legendre.leggauss(n // 2 + 1)
+    places = (2 * np.arange(many)[:, None] + 1 + inner) / many - 1
+    means = np.einsum("jgi,g->ji", legendre.legvander(places, n - 1), 0.5 * shares)
+    weights = means @ factors.T
+    return PanelRule(0.5 * (nodes + 1), weights / weights.sum(axis=1, keepdims=True))
 
 
 class Sampled(ABC):
@@ -59,7 +111,7 @@ class Sampled(ABC):
             (N, 6): angle increments (rad) and velocity increments (m/s), to about 1e-15 of their
             size, vibrations to the rounding of their phase Ω t.
         """
-        return interval * self._mean(first + np.arange(samples, dtype=np.float64), interval)
+        return interval * self._mean(first, samples, interval)
 
     def rates(self, samples: int, interval: float, first: int = 0, filtered: bool = True) -> Array:
         """What rate sensors deliver.
@@ -74,10 +126,9 @@ class Sampled(ABC):
         Returns:
             (N, 6): rad/s and m/s².
         """
-        number = first + np.arange(samples, dtype=np.float64)
         if filtered:
-            return self._mean(number - 0.5, interval)
-        return self.sensed(number * interval)
+            return self._mean(first, samples, interval, 0.5)
+        return self.sensed((first + np.arange(samples, dtype=np.float64)) * interval)
 
     def chunks(
         self,
@@ -108,10 +159,21 @@ class Sampled(ABC):
             else:
                 yield self.rates(count, interval, first)
 
-    def _mean(self, number: Array, interval: float) -> Array:
-        """Mean of `sensed` from number·T to (number+1)·T, by Gauss-Legendre quadrature."""
-        nodes, weights = legendre_nodes(self.highest * interval)
-        total = np.zeros((len(number), 6))
-        for node, weight in zip(nodes, weights, strict=True):
-            total += weight * self.sensed((number + node) * interval)
-        return total
+    def _mean(self, first: int, samples: int, interval: float, lead: float = 0.0) -> Array:
+        """Means of `sensed` from (i - lead) T to (i + 1 - lead) T, i from `first` on, (N, 6)."""
+        rule = panel_rule(self.highest * interval)
+        many, nodes = rule.shape
+        begin = first // many * many  # panels stand still, wherever a chunk begins
+        panels = -(-(first + samples - begin) // many)
+        at_once = max(1, _AT_ONCE // nodes)
+        parts = []
+        for panel in range(0, panels, at_once):
+            count = min(at_once, panels - panel)
+            number = begin + many * (panel + np.arange(count, dtype=np.float64)) - lead
+            t = (number + many * rule.nodes[:, None]) * interval
+            values = self.sensed(t.ravel()).reshape(nodes, count, 6)
+            total = np.zeros((many, count, 6))
+            for weights, value in zip(rule.weights.T, values, strict=True):
+                total += weights[:, None, None] * value
+            parts.append(total.swapaxes(0, 1).reshape(-1, 6))
+        return np.concatenate(parts)[first - begin : first - begin + samples]

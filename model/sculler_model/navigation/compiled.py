@@ -17,24 +17,35 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler_model.errors import InputError
 from sculler_model.frames import earth, rotation
 from sculler_model.navigation import gravity, wander
-from sculler_model.navigation.gravity import covers
-from sculler_model.navigation.wander import Level, Settings, geographic, step
+from sculler_model.navigation.gravity import Gravity, GravityTable, covers
+from sculler_model.navigation.wander import (
+    Settings,
+    geographic,
+    level_of,
+    numbers_of,
+    step,
+)
 
 Array = NDArray[np.float64]
 
-CompiledRun: TypeAlias = Callable[[Level, Settings, Array, Array, Array, Array], tuple[Level, int]]
+CompiledRun: TypeAlias = Callable[
+    [Array, Array, float | None, GravityTable | None, Array, Array, Array, Array], int
+]
 
 
 @cache
 def compiled_run() -> CompiledRun | None:
     """What carries a state over many intervals at machine speed; None where Numba is missing.
 
-    It takes the state, the settings, φ, ΔV_SF and ΔR_SF, (R, 3) each (the last one (0, 3) where it
-    is not used), and an (R, 11) table that it fills with q_nb, v, lat, lon, h, wander at the
-    interval ends.  It returns the state at the end and how many intervals it got through: fewer
-    than R if the track left the places that `gravity.covers`.
+    It takes the state (`numbers_of`), which it changes, and the settings (interval, position every,
+    four of damping), the two parts of a `Gravity`, φ, ΔV_SF and ΔR_SF, (R, 3) each (the last one
+    (0, 3) where it is not used), and an (R, 11) table that it fills with q_nb, v, lat, lon, h,
+    wander at the interval ends.  It returns how many intervals it got through: fewer than R if the
+    track left the places that `gravity.covers`.  A call takes half a microsecond and no more than
+    arrays, so that it serves single updates too.
 
     Compiling takes some seconds at the very first call and is kept on disk from then on.
     """
@@ -47,17 +58,28 @@ def compiled_run() -> CompiledRun | None:
     for module in modules:
         for function in vars(module).values():
             if isinstance(function, FunctionType) and function.__module__ == module.__name__:
-                register_jitable(function)
+                register_jitable(forceinline=True)(function)
     # Numba sees only a change of this file, and cannot read what it kept of types that are gone:
     # with the others' text in its name the compiled code has a file of its own
     key = sha256("".join(map(getsource, modules)).encode()).hexdigest()
 
     def loop(
-        now: Level, settings: Settings, phi: Array, dv_sf: Array, dr_sf: Array, table: Array
-    ) -> tuple[Level, int]:
-        dr = (0.0, 0.0, 0.0)
+        carried: Array,
+        constants: Array,
+        value: float | None,
+        points: GravityTable | None,
+        phi: Array,
+        dv_sf: Array,
+        dr_sf: Array,
+        table: Array,
+    ) -> int:
+        model, fine = Gravity(value, points), len(dr_sf) > 0
+        damping = (constants[2], constants[3], constants[4], constants[5])
+        settings = Settings(constants[0], int(constants[1]), fine, damping, model)
+        now = level_of(carried)
+        dr, done = (0.0, 0.0, 0.0), len(phi)
         for i in range(len(phi)):
-            if settings.high_resolution:
+            if fine:
                 dr = (dr_sf[i, 0], dr_sf[i, 1], dr_sf[i, 2])
             now = step(
                 now,
@@ -67,17 +89,33 @@ def compiled_run() -> CompiledRun | None:
                 dr,
             )
             q, v, lat, lon, h, angle = geographic(now)
-            if not covers(settings.gravity, lat, h):
-                return now, i
             row = table[i]
             row[0], row[1], row[2], row[3] = q
             row[4], row[5], row[6] = v
             row[7], row[8], row[9], row[10] = lat, lon, h, angle
-        return now, len(phi)
+            if not covers(model, lat, h):
+                done = i
+                break
+        numbers = numbers_of(now)
+        for k in range(len(numbers)):
+            carried[k] = numbers[k]
+        return done
 
     loop.__qualname__ = f"loop_{key[:16]}"
     try:
-        run: CompiledRun = njit(cache=True)(loop)
+        run: CompiledRun = njit(cache=True, error_model="numpy")(loop)
     except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
-        run = njit()(loop)
+        run = njit(error_model="numpy")(loop)
+    return run
+
+
+def required_run() -> CompiledRun:
+    """`compiled_run`, which must be there.
+
+    Raises:
+        InputError: Numba is missing.
+    """
+    run = compiled_run()
+    if run is None:
+        raise InputError("compiled navigation needs Numba: install sculler[fast]")
     return run

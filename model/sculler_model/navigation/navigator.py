@@ -6,7 +6,7 @@ geodetic position on WGS-84; q_nb takes body components to navigation components
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Protocol
@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from sculler_model.errors import InputError
 from sculler_model.frames import GRAVITY_EQUATOR, SEMI_MAJOR_AXIS, Vector, to_dcm
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.compiled import compiled_run
-from sculler_model.navigation.gravity import NORMAL, Gravity, covers, refuse_outside
+from sculler_model.navigation.compiled import CompiledRun, compiled_run, required_run
+from sculler_model.navigation.gravity import NORMAL, Gravity, refuse_outside
 from sculler_model.navigation.state import (
     MAX_HEIGHT,
     MIN_HEIGHT,
@@ -29,16 +29,8 @@ from sculler_model.navigation.state import (
     three_numbers,
     told_times,
 )
-from sculler_model.navigation.wander import (
-    NOT_YET,
-    Level,
-    Settings,
-    geographic,
-    level,
-    position,
-    step,
-    with_past,
-)
+from sculler_model.navigation.stepping import Compiled, Interpreted, Row, Stepping
+from sculler_model.navigation.wander import NOT_YET, Settings, level, position, step, with_past
 
 __all__ = [
     "HeightDamping",
@@ -112,9 +104,8 @@ class HeightDamping:
 class Navigator:
     """Wander-azimuth mechanisation after Savage-98 Table 1; works anywhere, the poles included.
 
-    One result at a time with `update` (real time: tens of microseconds), or whole arrays with
-    `run`, which is compiled where Numba is installed.  Both are the arithmetic of
-    `wander.step`, in the same order, and may be mixed.
+    One result at a time with `update`, or whole arrays with `run`.  Both are the arithmetic of
+    `wander.step`, in the same order, and may be mixed: compiled they agree to the last bit.
 
     Args:
         state: at the start of the first interval; its wander angle is kept.
@@ -123,10 +114,13 @@ class Navigator:
             interval and extrapolated in between (Savage-98 Eq. 9, 19).
         height_damping: a loop that holds the height; none if left out.
         gravity: the model to navigate by.
+        compiled: True takes every update through Numba, which is loaded at once (compiled at the
+            very first time), so that nothing stops in flight; False none.  If left out, `update`
+            is Python's, and `run` is compiled where it is worth it.
 
     Raises:
         InputError: the state is not one to navigate from (see `check_state`), is outside a gravity
-            table, or an argument is out of its range.
+            table, an argument is out of its range, or `compiled` is asked for without Numba.
 
     Examples:
         >>> import sculler
@@ -146,6 +140,7 @@ class Navigator:
         position_every: int = 1,
         height_damping: HeightDamping | None = None,
         gravity: Gravity = NORMAL,
+        compiled: bool | None = None,
     ) -> None:
         check_state(state)
         refuse_outside(gravity, state.time, state.lat, state.h)
@@ -161,20 +156,21 @@ class Navigator:
                 f" intervals of {interval:g} s, give at least {10 * interval:g} s"
             )
         damping = height_damping.gains if height_damping else (0.0, 0.0, 0.0, 0.0)
-        self._plain = Settings(interval, int(position_every), False, damping, gravity)
-        self._high_resolution = self._plain._replace(high_resolution=True)
-        self._updates = 0
+        self._settings = Settings(interval, int(position_every), False, damping, gravity)
+        now = level(state.q, state.v, state.lat, state.lon, state.h, state.wander, gravity)
+        self._stepping: Stepping = (
+            Compiled(required_run(), now, self._settings)
+            if compiled
+            else Interpreted(now, self._settings)
+        )
+        self._compiled, self._state, self._updates = compiled, state, 0
         # the time counts from `_start` on, by intervals, or in `_told` it says itself
         self._start, self._since = state.time, 0
         self._told: Array | None = None
-        self._level = level(state.q, state.v, state.lat, state.lon, state.h, state.wander, gravity)
-        self._state: NavState | None = state
 
     @property
     def state(self) -> NavState:
         """The state at the end of the last major interval."""
-        if self._state is None:
-            self._state = NavState(self._time, *geographic(self._level))
         return self._state
 
     @property
@@ -184,7 +180,7 @@ class Navigator:
         It takes components in the wander-azimuth frame w (x at the wander angle from north, z
         down) to the Earth's (x through latitude and longitude 0, z through the north pole).
         """
-        return to_dcm(position(self._level)[0])
+        return to_dcm(position(self._stepping.level)[0])
 
     def update(
         self, phi: VectorLike, dv_sf: VectorLike, dr_sf: VectorLike | None = None
@@ -215,17 +211,22 @@ class Navigator:
         return self._update(turn, dv, dr)
 
     def _update(self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None = None) -> NavState:
-        settings, dr = (self._plain, NOT_YET) if dr_sf is None else (self._high_resolution, dr_sf)
-        if not isfinite(sum(phi) + sum(dv_sf) + sum(dr)):
+        if not isfinite(sum(phi) + sum(dv_sf) + sum(dr_sf or NOT_YET)):
             raise self._not_finite()
-        self._see_to_the_past(settings, phi, dv_sf, dr)
-        self._level = step(self._level, settings, phi, dv_sf, dr)
-        self._updates += 1
-        self._since += 1
-        self._state = None
-        if not covers(self._plain.gravity, self.state.lat, self.state.h):
+        if not self._updates:
+            self._see_to_the_past(phi, dv_sf, dr_sf)
+        row, holds = self._stepping.update(phi, dv_sf, dr_sf)
+        self._moved(1, row)
+        if not holds:
             self._left_gravity()
-        return self.state
+        return self._state
+
+    def _moved(self, intervals: int, row: Row) -> None:
+        """The state is so many intervals further, as the row tells."""
+        self._updates += intervals
+        self._since += intervals
+        w, x, y, z, north, east, down, lat, lon, h, wander = row
+        self._state = NavState(self._time, (w, x, y, z), (north, east, down), lat, lon, h, wander)
 
     def run(self, increments: MajorIncrements, *, compiled: bool | None = None) -> NavHistory:
         """Carry the state over consecutive major intervals.
@@ -233,8 +234,8 @@ class Navigator:
         Args:
             increments: φ, ΔV_SF and, for a position of high resolution, ΔR_SF of R intervals, as
                 for `update`; where they have times, the states do.
-            compiled: whether to go through Numba; if left out, where it is installed and there
-                are `WORTH_COMPILING` intervals up to now.
+            compiled: whether to go through Numba; if left out, as the navigator was made, else
+                where it is installed and there are `WORTH_COMPILING` intervals up to now.
 
         Returns:
             The states at the R interval ends.
@@ -256,50 +257,67 @@ class Navigator:
         if increments.times is not None and len(increments):
             self._start, self._since = self.state.time, 0
             self._told = told_times(increments)
-        worth = self._updates + len(increments) >= WORTH_COMPILING
-        fast = compiled_run() if compiled or (compiled is None and worth) else None
-        if compiled and fast is None:
-            raise InputError("compiled navigation needs Numba: install sculler[fast]")
-        if fast is None or not len(increments):
-            rows = zip(*(map(tuple, array.tolist()) for array in arrays), strict=True)
-            return NavHistory.from_states([self._update(*row) for row in rows])
+        run = self._run_to_take(len(increments), compiled)
+        if run is None or not len(increments):
+            return self._interpreted(arrays)
 
-        settings = self._high_resolution if len(arrays) > 2 else self._plain
-        phi, dv, *more = (np.ascontiguousarray(array, np.float64) for array in arrays)
-        dr = more[0] if more else np.zeros((0, 3))
-        self._see_to_the_past(settings, *map(_first, (phi, dv, dr)))
+        phi, dv, *more = (np.ascontiguousarray(array) for array in arrays)
+        dr = more[0] if more else None
+        if not self._updates:
+            self._see_to_the_past(_first(phi), _first(dv), None if dr is None else _first(dr))
+        stepping = self._stepping
+        if not isinstance(stepping, Compiled):
+            stepping = Compiled(run, stepping.level, self._settings)
         table = np.empty((len(phi), 11))
-        self._level, done = fast(self._level, settings, phi, dv, dr, table)
+        done = stepping.run(phi, dv, dr, table)
+        self._stepping.level = stepping.level
         times = self._told
         if times is None:
-            times = self._start + (self._since + np.arange(1.0, len(phi) + 1)) * settings.interval
-        carried = len(phi) if done == len(phi) else done + 1
-        self._updates += carried
-        self._since += carried
-        self._state = None
+            numbers = self._since + np.arange(1.0, len(phi) + 1)
+            times = self._start + numbers * self._settings.interval
+        carried = min(len(phi), done + 1)
+        self._moved(carried, table[carried - 1].tolist())
         if done < len(phi):
             self._left_gravity()
         return NavHistory.from_table(times, table)
+
+    def _interpreted(self, arrays: Sequence[Array]) -> NavHistory:
+        """`run` in Python."""
+        kept = self._stepping
+        self._stepping = Interpreted(kept.level, self._settings)
+        try:
+            rows = zip(*(map(tuple, array.tolist()) for array in arrays), strict=True)
+            return NavHistory.from_states([self._update(*row) for row in rows])
+        finally:
+            kept.level = self._stepping.level
+            self._stepping = kept
+
+    def _run_to_take(self, intervals: int, compiled: bool | None) -> CompiledRun | None:
+        """Compiled code for so many intervals more; None for Python's own."""
+        if compiled is None:
+            compiled = self._compiled
+        if compiled is None:
+            return compiled_run() if self._updates + intervals >= WORTH_COMPILING else None
+        return required_run() if compiled else None
 
     @property
     def _time(self) -> float:
         """At the end of the last major interval, s."""
         if self._told is not None and self._since:
             return float(self._told[self._since - 1])
-        return self._start + self._since * self._plain.interval
+        return self._start + self._since * self._settings.interval
 
     def _end_of_told_times(self) -> None:
         """From here on intervals are counted from the last one whose instant was told."""
         if self._told is not None:
             self._start, self._since, self._told = self._time, 0, None
 
-    def _see_to_the_past(
-        self, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vector
-    ) -> None:
+    def _see_to_the_past(self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None) -> None:
         """Before the first interval: the past that the extrapolations need."""
-        if not self._updates:
-            after: Level = step(self._level, settings, phi, dv_sf, dr_sf)
-            self._level = with_past(self._level, after, settings)
+        settings = self._settings._replace(high_resolution=dr_sf is not None)
+        now = self._stepping.level
+        after = step(now, settings, phi, dv_sf, dr_sf or NOT_YET)
+        self._stepping.level = with_past(now, after, settings)
 
     def _not_finite(self) -> InputError:
         return InputError(
@@ -308,13 +326,11 @@ class Navigator:
 
     def _left_gravity(self) -> None:
         """Say where the track left what the model of gravity holds for."""
-        refuse_outside(self._plain.gravity, self.state.time, self.state.lat, self.state.h)
+        refuse_outside(self._settings.gravity, self.state.time, self.state.lat, self.state.h)
 
 
 def _first(vectors: Array) -> Vector:
-    """The first of (R, 3); zeros if there is none."""
-    if not len(vectors):
-        return NOT_YET
+    """The first of (R, 3)."""
     x, y, z = vectors[0].tolist()
     return (x, y, z)
 

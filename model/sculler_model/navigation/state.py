@@ -208,7 +208,9 @@ def three_numbers(name: str, vector: VectorLike) -> Vector:
     """
     numbers: tuple[object, ...] = ()
     try:
-        x, y, z = vector
+        x, y, z = vector.tolist() if isinstance(vector, np.ndarray) else vector
+        if type(x) is type(y) is type(z) is float:
+            return (x, y, z)
         numbers = x + 0.0, y + 0.0, z + 0.0  # text has no such sum
     except (TypeError, ValueError):
         pass

@@ -17,8 +17,11 @@ the real-time path runs it as it stands, and `compiled` compiles the very same f
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, pi, sin
+from math import asin, atan2, copysign, cos, pi, sin
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from sculler_model.frames import (
     EARTH_RATE,
@@ -36,6 +39,8 @@ from sculler_model.frames import (
     to_dcm,
 )
 from sculler_model.navigation.gravity import Gravity, gravity_at
+
+Array = NDArray[np.float64]
 
 AT_POLE = 1e-12
 """Cosine of latitude below which north and longitude are by convention: 6 µm from a pole."""
@@ -109,6 +114,34 @@ class Level(NamedTuple):
 NOT_YET: Vector = (0.0, 0.0, 0.0)
 
 
+def numbers_of(now: Level) -> tuple[float, ...]:
+    """A state as 39 numbers one after another, so that it fits an array."""
+    here, past = now.earth, now.earth_past
+    return (
+        *now.q, *now.v, *now.v_past, *now.place, now.h,
+        *here.rate, *here.curvature, *here.gravity,
+        *past.rate, *past.curvature, *past.gravity,
+        float(now.since), *now.travel, now.climb, now.offset,
+    )  # fmt: skip
+
+
+def level_of(n: Array | list[float]) -> Level:
+    """The state of the 39 numbers of `numbers_of`."""
+    return Level(
+        (n[0], n[1], n[2], n[3]),
+        (n[4], n[5], n[6]),
+        (n[7], n[8], n[9]),
+        (n[10], n[11], n[12], n[13]),
+        n[14],
+        Earth((n[15], n[16], n[17]), (n[18], n[19], n[20]), (n[21], n[22], n[23])),
+        Earth((n[24], n[25], n[26]), (n[27], n[28], n[29]), (n[30], n[31], n[32])),
+        int(n[33]),
+        (n[34], n[35], n[36]),
+        n[37],
+        n[38],
+    )
+
+
 def level(
     q_nb: Quaternion,
     v_n: Vector,
@@ -142,22 +175,46 @@ def geographic(
     goes with it.
     """
     place, h = position(now)
-    (xx, xy, xz), (yx, yy, yz), (_, _, zz) = to_dcm(place)
-    cos_lat = hypot(xz, yz)  # the third column of C_ew is down
-    lat = atan2(-zz, cos_lat)
-    if cos_lat > AT_POLE:
-        lon = atan2(-yz, -xz)
-        sin_lon, cos_lon = sin(lon), cos(lon)  # east is (-sin lon, cos lon, 0) in e
-        wander = atan2(cos_lon * yx - sin_lon * xx, cos_lon * yy - sin_lon * xy)
-    else:  # north is the frame's x axis
+    (xx, _, xz), (yx, _, yz), (zx, zy, zz) = to_dcm(place)
+    cos_lat = (xz * xz + yz * yz) ** 0.5  # the third column of C_ew is down
+    lat = angle_of(cos_lat, -zz)
+    if cos_lat <= AT_POLE:  # north is the frame's x axis
         lon = atan2(-yx, -xx) if lat > 0 else atan2(yx, xx)
-        wander = 0.0
-    to_north = about_z(wander)
-    return product(to_north, now.q), rotate(to_north, now.v), lat, lon, h, wander
+        return now.q, now.v, lat, lon, h, 0.0
+    per = 1 / cos_lat
+    lon = angle_of(-per * xz, -per * yz)
+    # the polar axis in w, the third row, is (cos lat cos α, -cos lat sin α, -sin lat)
+    c, s = per * zx, -per * zy
+    wander = angle_of(c, s)
+    if c > 0:  # of α/2 the larger one of cosine and sine by the square root
+        half_c = (0.5 + 0.5 * c) ** 0.5
+        half_s = 0.5 * s / half_c
+    else:
+        half_s = copysign((0.5 - 0.5 * c) ** 0.5, s)
+        half_c = 0.5 * s / half_s
+    qw, qx, qy, qz = now.q
+    q = (
+        half_c * qw - half_s * qz,
+        half_c * qx - half_s * qy,
+        half_c * qy + half_s * qx,
+        half_c * qz + half_s * qw,
+    )
+    x, y, z = now.v
+    return q, (c * x - s * y, s * x + c * y, z), lat, lon, h, wander
+
+
+def angle_of(cosine: float, sine: float) -> float:
+    """`atan2(sine, cosine)` of a cosine and a sine of one angle, in a third of the time (rad)."""
+    if abs(sine) >= abs(cosine):
+        return copysign(0.5 * pi - asin(cosine), sine)
+    small = asin(sine)
+    return small if cosine > 0 else copysign(pi, sine) - small
 
 
 def position(now: Level) -> tuple[Quaternion, float]:
     """q_ew and height (m) at the end of the last major interval (Savage-98 Eq. 64, 68, 70)."""
+    if now.since == 0:
+        return now.place, now.h
     place = normalised(product(now.place, from_rotation_vector(now.travel)))
     return place, now.h + now.climb
 

@@ -5,6 +5,7 @@ The detectors only tell; they refuse nothing, since an ideal log may stand still
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from sculler_model.design import Design
 from sculler_model.samples.quantiser import INPUT_COLUMNS
+from sculler_model.samples.screening import RAILS, RUNS, SPIKES, compiled
 
 Samples = NDArray[Any]
 """(N, 6) samples in counts."""
@@ -22,6 +24,9 @@ FindingKind = Literal["zero", "frozen", "stuck", "rail", "spike"]
 
 BLOCK = 1 << 13
 """Samples looked at together."""
+
+WORTH_COMPILING, WORTH_WHEN_LOADED = 1 << 20, 1 << 17
+"""Samples from which on compiled loops look at them first; and where Numba is in use already."""
 
 LISTED = 100
 """Findings of a kind kept one by one; the rest are counted only."""
@@ -80,6 +85,7 @@ class Plausibility:
     def __init__(self, design: Design, rails: bool = True) -> None:
         words = design.words
         allowed = [words.gyro] * 3 + [words.accel] * 3
+        self._ends = np.array([[each.lo for each in allowed], [each.hi for each in allowed]])
         self._lo = np.array([each.lo for each in allowed], np.float64)
         self._hi = np.array([each.hi for each in allowed], np.float64)
         rate = design.sensor.sample_rate_hz
@@ -87,8 +93,8 @@ class Plausibility:
         self._long = max(_MANY, round(_LONG * rate))
         self._frozen = max(_MANY, round(_FROZEN * rate))
         self._waiting: list[tuple[Samples, NDArray[np.float64] | None]] = []
-        self._rows: Samples = np.zeros((0, 6))  # the last ones looked at
-        self._columns = self._rows.T
+        self._rows: Samples = np.zeros((0, 6), np.int64)  # the last ones looked at
+        self._turned: Samples | None = None
         self._times: NDArray[np.float64] | None = None
         self._first = 0  # number of the first of them
         self._since = np.zeros(7, np.int64)  # where the runs of each column, and of all, began
@@ -137,22 +143,63 @@ class Plausibility:
         if stamps and stamps[0] is not None:
             known = [each for each in stamps if each is not None]
             times = np.concatenate([*([] if times is None else [times]), *known])
-        self._rows, self._times = rows, times
-        self._columns = np.ascontiguousarray(rows.T)  # numpy is quick along long rows
+        self._rows, self._times, self._turned = rows, times, None
+        closely = self._screened(kept)
         if len(rows) > kept:
-            if self._look_at_rails:
+            if self._look_at_rails and closely & RAILS:
                 self._rails(kept)
-            self._runs(kept)
-            self._noisy |= _noise(rows)
+            if closely & RUNS:
+                self._runs(kept)
+            self._see_noise()
         if last:
             for column, since in enumerate(self._since.tolist()):
                 if self._first + len(rows) - since >= self._long:
                     self._judge(column, since - self._first, len(rows))
-        self._spikes(len(rows) if last else len(rows) - _AROUND)
+        if closely & SPIKES:
+            self._spikes(len(rows) if last else len(rows) - _AROUND)
         keep = min(_KEPT, len(rows))
         self._first += len(rows) - keep
         self._rows = rows[len(rows) - keep :].copy()
         self._times = None if times is None else times[len(rows) - keep :]
+
+    def _compiled(self) -> tuple[Callable[..., int], Callable[..., None]] | None:
+        """The quick look; None for few samples, for which a compiler is not worth loading."""
+        if self._rows.dtype != np.int64:
+            return None
+        least = WORTH_COMPILING
+        if "numba" in sys.modules:
+            least = min(least, WORTH_WHEN_LOADED)
+        return compiled() if self._first >= least else None
+
+    def _screened(self, new: int) -> int:
+        """What must be looked at closely; runs are followed here where none of them is long."""
+        quick = self._compiled()
+        if quick is None or not new:
+            return RAILS | RUNS | SPIKES
+        begins = self._since - self._first
+        found = quick[0](self._rows, new, begins, self._long, self._ends, _SPIKE / 2)
+        if not found & RUNS:
+            for column in np.flatnonzero(begins != self._since - self._first).tolist():
+                self._since_times[column] = self._time(int(begins[column]))
+            self._since = begins + self._first
+        return found if len(self._rows) >= 4 * _WIDTH else found & ~SPIKES
+
+    def _see_noise(self) -> None:
+        """Which columns have shown noise."""
+        if self._noisy.all():
+            return
+        quick = self._compiled()
+        if quick is None:
+            self._noisy |= _noise(self._rows)
+        elif len(self._rows) >= _MANY:
+            quick[1](self._rows[-_KEPT:], _NOISE, self._noisy)
+
+    @property
+    def _columns(self) -> Samples:
+        """The rows turned, along which numpy is quick."""
+        if self._turned is None:
+            self._turned = np.ascontiguousarray(self._rows.T)
+        return self._turned
 
     def _time(self, row: int) -> float | None:
         return None if self._times is None else float(self._times[row])

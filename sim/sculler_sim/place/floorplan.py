@@ -87,5 +87,5 @@ def fix_blocks(netlist: str, top: str, groups: Sequence[Sequence[str]], device: 
         return netlist
     for group, places in zip(groups, found, strict=True):
         for name, place in zip(group, places, strict=True):
-            cells["modules"][top]["cells"][f"{name}.block"]["attributes"]["BEL"] = place
+            cells["modules"][top]["cells"][f"{name}.dsp"]["attributes"]["BEL"] = place
     return json.dumps(cells)

@@ -26,6 +26,7 @@ _SYNTHESIS: dict[Family, str] = {
 _SCRIPT = """
 read_verilog core.v
 {synthesis} -top {core}
+delete t:$scopeinfo
 write_verilog -noattr netlist.v
 write_json core.json
 """
@@ -38,6 +39,7 @@ delete ={core}
 design -copy-from synthesised {core}
 hierarchy -check -top {top}
 flatten
+delete t:$scopeinfo
 write_json placed.json
 """
 

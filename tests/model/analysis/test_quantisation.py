@@ -3,15 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import radians
+from fractions import Fraction
+from math import cos, pi, radians, sin
 
 import numpy as np
 import pytest
 
 from host_path import fine_design
+from sculler_model.analysis import quantisation
+from sculler_model.analysis.closed_form import drift_rate
 from sculler_model.analysis.integer_path import unquantised
-from sculler_model.analysis.quantisation import deviation, form, levels, monte_carlo, products_with
+from sculler_model.analysis.quantisation import (
+    deviation,
+    draws,
+    form,
+    levels,
+    monte_carlo,
+    products_with,
+)
 from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.golden import GoldenModel
+from sculler_model.motion import Coning
+from sculler_model.samples import Quantiser
 
 CASES = [(2, 0, 3, "increment"), (3, 2, 2, "increment"), (2, 0, 2, "rate"), (4, 0, 1, "rate")]
 
@@ -74,6 +88,77 @@ def test_monte_carlo_agrees_with_theory(case: tuple[int, int, int, str]) -> None
         assert (level.angle_error is None) == (kind == "rate")
         assert level.angle_error is None or 0 < level.angle_error <= 1.001
     assert np.sqrt(np.mean(np.square(ratios))) == pytest.approx(1, abs=0.25)
+
+
+def one_trial(
+    design: Design, half_angle: float, hertz: float, seconds: float, random: np.random.Generator
+) -> tuple[float, float]:
+    """Drift (rad/s) and angle error (LSB) of one trial, by the reference in plain integers."""
+    T, lsb, table = design.sample_interval, design.sensor.gyro.lsb, design.table
+    rate, omega = design.sensor.kind == "rate", 2 * pi * hertz
+    half_angle *= random.uniform(0.98, 1.02)
+    turn, remainder = random.uniform(0, 2 * pi), random.uniform(-0.5, 0.5, 3)
+    before = (table.history + design.samples_per_major) // design.samples_per_major
+    count = round(seconds / T) + before * design.samples_per_major
+    cone = Coning(half_angle, omega)
+    samples = cone.rates(count, T, 1) if rate else cone.increments(count, T)
+    x, y = samples[:, 0].copy(), samples[:, 1].copy()
+    samples[:, 0], samples[:, 1] = cos(turn) * x - sin(turn) * y, sin(turn) * x + cos(turn) * y
+    record = samples[before * design.samples_per_major :, :3]
+    true_angle = record.sum(axis=0)
+    samples[0, :3] += lsb * remainder
+    counts = Quantiser(design)(samples).tolist()
+    results = list(GoldenModel(design).run((row[:3], row[3:], 0) for row in counts))[before:]
+    Dc, Dw = table.denominator, table.sum_denominator
+    coning, alpha = Fraction(0), [Fraction(0)] * 3
+    for result in results:
+        angle = [Fraction(part, Dw) for part in result.alpha]
+        coning += (alpha[0] * angle[1] - alpha[1] * angle[0]) / 2
+        coning += Fraction(result.coning_within[2], Dc)
+        coning += Fraction(result.coning_between[2], 2 * Dw * Dw)
+        alpha = [sum(pair) for pair in zip(alpha, angle, strict=True)]
+    a = sin(half_angle)
+    known = float(drift_rate(table, a, a, omega, T, design.sensor.kind)) + omega * a * a / 2
+    error = max(abs(float(part) - true / lsb) for part, true in zip(alpha, true_angle, strict=True))
+    return float(coning) * design.gyro_scale**2 / seconds - known, error
+
+
+@pytest.mark.parametrize("together", [1, 500, 1 << 17])
+@pytest.mark.parametrize(
+    ("case", "lsb"),
+    [((2, 1, 2, "increment"), 5e-6), ((2, 0, 2, "rate"), 1e-6), ((1, 1, 1, "increment"), 2e-4)],
+)
+def test_trials_together_are_trials_one_by_one(
+    monkeypatch: pytest.MonkeyPatch, case: tuple[int, int, int, str], lsb: float, together: int
+) -> None:
+    samples, history, minors, kind = case
+    monkeypatch.setattr(quantisation, "TRIAL_SAMPLES", 160)
+    monkeypatch.setattr(quantisation, "TOGETHER", together)
+    design = fine_design(samples, history, minors, kind=kind)
+    done: list[int] = []
+    found = monte_carlo(design, radians(0.5), 111.0, lsb, 5, seed=3, advance=done.append)
+    assert sum(done) == 5
+
+    sensor = {"bits": 32, "lsb": lsb if kind == "increment" else lsb * 2000}
+    design = Design.parse(
+        {**design.as_json(), "sensor": {**design.as_json()["sensor"], "gyro": sensor}}
+    )
+    random = np.random.default_rng(3)
+    each = [one_trial(design, radians(0.5), 112.5, 0.08, random) for _ in range(5)]
+    drifts = [drift for drift, _ in each]
+    assert found.mean == pytest.approx(np.mean(drifts), rel=1e-6)
+    assert found.deviation == pytest.approx(np.std(drifts, ddof=1), rel=1e-6)
+    if kind == "increment":
+        assert found.angle_error == pytest.approx(max(error for _, error in each), rel=1e-6)
+
+
+def test_the_first_trials_of_many_are_those_of_few() -> None:
+    assert np.array_equal(draws(0.1, 9, seed=4)[:3], draws(0.1, 3, seed=4))
+
+
+def test_a_cone_too_large_for_32_bits_is_refused() -> None:
+    with pytest.raises(InputError, match="does not fit 32 bits, give a larger LSB"):
+        monte_carlo(fine_design(2), radians(1), 50.0, 1e-13, 2, seed=1)
 
 
 def test_drift_grows_with_the_lsb_and_the_seed_decides() -> None:

@@ -175,7 +175,7 @@ class TestDecimals:
             assert abs(2 * c - Decimal(3).sqrt()) < Decimal("1e-48")
 
     def test_multiples(self) -> None:
-        found = list(map(float, decimals.sines(Decimal("0.7"), 5)))
+        found = list(map(float, decimals.sines(*decimals.sine_cosine(Decimal("0.35")), 5)))
         assert found == pytest.approx([sin(0.7 * d) for d in range(1, 6)])
 
     def test_a_float_is_the_decimal_it_is_written_as(self) -> None:

@@ -15,9 +15,6 @@ from sculler.commands.options.group import Command, group
 if TYPE_CHECKING:
     from sculler.runs.analysis import FrequencyPlan, Kind, Subject
 
-FITTED = "least-squares"
-"""The family that --band is for (`sculler.runs.analysis.subject`); here for --help."""
-
 REQUIREMENTS = (1.7e-4, 1.7e-5)
 """°/h: for 1 nmph and 0.1 nmph navigation (Savage-20, NEW ATTITUDE ALGORITHM REQUIREMENTS)."""
 
@@ -60,7 +57,7 @@ subject_options = group(
         nargs=2,
         type=terminal.number_type(0),
         metavar="LOW HIGH",
-        help=f"Band (Hz) that {FITTED} is fitted over.",
+        help="Band (Hz) that least-squares is fitted over.",
     ),
 )
 """DESIGN... and the options that make designs of families; see `subjects`."""
@@ -181,7 +178,7 @@ def subjects(options: Mapping[str, Any]) -> dict[str, Subject]:
         UsageError: the options do not go together, or there is nothing to study.
         InputError: a design has faults, or a family is not known.
     """
-    from sculler.runs.analysis import Subject, of_family
+    from sculler.runs.analysis import Subject, of_family, require_band
 
     designs, families, samples = options["designs"], options["families"], options["samples"]
     if not designs and not families:
@@ -192,8 +189,7 @@ def subjects(options: Mapping[str, Any]) -> dict[str, Subject]:
         )
     if samples and not families:
         raise click.UsageError("--samples belongs to --family, give that too")
-    if (FITTED in families) != (options["band"] is not None):
-        raise click.UsageError(f"--family {FITTED} and --band belong together, give both or none")
+    require_band(families, options["band"])
     found = {}
     for name in designs:
         design = terminal.load_design(name)

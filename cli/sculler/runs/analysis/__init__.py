@@ -3,7 +3,7 @@
 from sculler.runs.analysis.frequency import FrequencyPlan, Kind, coning, frequency_study, sculling
 from sculler.runs.analysis.manoeuvre import ManoeuvrePlan, manoeuvre_study
 from sculler.runs.analysis.quantisation import QuantisationPlan, quantisation_study
-from sculler.runs.analysis.subject import Subject, of_family
+from sculler.runs.analysis.subject import Subject, of_family, require_band
 from sculler.runs.analysis.third_order import ThirdOrderPlan, third_order_study
 from sculler.runs.analysis.vibration import VibrationPlan, VibrationStudy, vibration_study
 
@@ -21,6 +21,7 @@ __all__ = [
     "manoeuvre_study",
     "of_family",
     "quantisation_study",
+    "require_band",
     "sculling",
     "third_order_study",
     "vibration_study",

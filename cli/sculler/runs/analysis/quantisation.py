@@ -38,7 +38,7 @@ class QuantisationPlan:
     @property
     def steps(self) -> int:
         """What `Advance` is told, at most."""
-        return len(self.subjects) * (self.levels + 1)
+        return len(self.subjects) * (self.levels + 1) * self.trials
 
 
 def quantisation_study(plan: QuantisationPlan, *, advance: Advance = silent) -> dict[str, Any]:
@@ -69,10 +69,11 @@ def _of_design(plan: QuantisationPlan, subject: Subject, advance: Advance) -> di
     lsbs = analysis.levels(design, angle, plan.frequency, plan.levels)
     rows = []
     for lsb in sorted({*lsbs, *([own] if own and own > lsbs[0] else [])}):
-        level = analysis.monte_carlo(design, angle, plan.frequency, lsb, plan.trials, plan.seed)
+        level = analysis.monte_carlo(
+            design, angle, plan.frequency, lsb, plan.trials, plan.seed, advance
+        )
         row = asdict(level)
         for key in ("mean", "deviation", "theory"):
             row[key] *= PER_HOUR
         rows.append(row)
-        advance(1)
     return {"lsb": own, "levels": rows}

@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any, NamedTuple
 
 from sculler_model.design import Design
+from sculler_model.errors import ContradictionError
 
 FITTED = "least-squares"
 """The family that a band is for; what else is fitted comes from a design file."""
 
 _FINE_LSB = {"gyro": {"bits": 32, "lsb": 1e-10}, "accel": {"bits": 32, "lsb": 1e-9}}
 """Sensor of a family that comes without a design: full scale 0.21 rad and 2.1 m/s a sample."""
+
+
+def require_band(families: Collection[str], band: tuple[float, float] | None) -> None:
+    """See that a band comes with the family that is fitted over it, and only with that.
+
+    Raises:
+        ContradictionError: one without the other.
+    """
+    if (FITTED in families) != (band is not None):
+        raise ContradictionError(f"--family {FITTED} and --band belong together, give both or none")
 
 
 class Subject(NamedTuple):

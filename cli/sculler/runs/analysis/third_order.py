@@ -68,8 +68,8 @@ def third_order_study(plan: ThirdOrderPlan, *, advance: Advance = silent) -> dic
         radians(plan.half_angle), plan.frequency, radians(plan.turn), radians(plan.bank)
     )
     rows = []
-    for M in plan.minors:
-        row = asdict(left(plan.design, motion, M, plan.seconds))
+    for found in left(plan.design, motion, plan.minors, plan.seconds):
+        row = asdict(found)
         rows.append({k: v if k == "minors" else degrees(v) * 3600 for k, v in row.items()})
         advance(1)
     return {

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sculler.checks.first_seconds import FirstSeconds
 from sculler.checks.oddities import Oddities
 from sculler.checks.vector_breaks import Break, Stretches, begins_at
+from sculler.formats.tables import counting
 from sculler.runs.navigation.against_truth import AgainstTruth
 from sculler.runs.navigation.plan import Plan
 from sculler.runs.navigation.seen import (
@@ -60,7 +61,8 @@ class NavigationRun:
         self._T, self._half = plan.design.major_interval, 0.5 * plan.design.sample_interval
         self.seen = Seen()
         self._oddities = Oddities(plan.design)
-        self._stretches = Stretches(plan.design)
+        self._stretches = Stretches(plan.design, plan.name)
+        self._unit = counting(plan.name).unit
         self._first: FirstSeconds | None = None
         self._span: tuple[float, float] | None = None  # of the vectors so far
         self._over = False
@@ -179,7 +181,7 @@ class NavigationRun:
         found["then"] = how
         if len(self.seen.breaks) <= BREAKS_TOLD:
             self.seen.warnings.append(
-                f"a break of {found['seconds']:.6g} s before line {found['line']}"
+                f"a break of {found['seconds']:.6g} s before {self._unit} {found['line']}"
                 f" ({found['what']}): {how}"
             )
 
@@ -299,7 +301,7 @@ class NavigationRun:
     def _after_break(self, found: Break) -> None:
         """Refuse it, or begin anew."""
         plan = self._plan
-        where = f"{plan.name}: line {found.line}: {found.what}"
+        where = f"{plan.name}: {self._unit} {found.line}: {found.what}"
         if not plan.split:
             raise InputError(
                 f"{where}; mend the log, or give --breaks split to begin anew after it"

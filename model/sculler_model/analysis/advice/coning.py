@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import atan2, cos, pi, sin, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sculler_model.algorithms import SensorKind, TapTable
 from sculler_model.frames import from_rotation_vector, product
@@ -41,19 +42,22 @@ def coning_drift(
         s = motion.increments(count + reach, interval, -reach)[:, :3]
     else:
         s = motion.rates(count + reach, interval, 1 - reach)[:, :3] * interval
-    phi = np.zeros(3)
-    alpha = np.zeros(3)
-    for first in range(reach, reach + count, n):
-        for k, row in enumerate(table.taps):
-            taps = [(d, tap) for d, tap in enumerate(row, start=1) if tap]
-            A = sum((tap * s[first + k - d] for d, tap in taps), np.zeros(3))
-            phi += np.cross(A, s[first + k]) / table.denominator
-        last = first + n - 1
-        theta = sum((w * s[last - d] for d, w in enumerate(table.weights) if w), np.zeros(3))
-        theta = theta / table.sum_denominator
-        phi += 0.5 * np.cross(alpha, theta)
-        alpha = alpha + theta
-    phi += alpha
+
+    def back(k: int, d: int) -> NDArray[np.float64]:
+        """s[t-d] at phase k of every minor interval, (M, 3)."""
+        return s[reach + k - 1 - d : len(s) - d : n]
+
+    none = np.zeros((minors, 3))
+    within = none
+    for k in table.active_phases:
+        taps = enumerate(table.taps[k - 1], start=1)
+        A = sum((tap * back(k, d) for d, tap in taps if tap), none)
+        within = within + np.cross(A, back(k, 0))
+    theta = sum((w * back(n, d) for d, w in enumerate(table.weights) if w), none)
+    theta = theta / table.sum_denominator
+    alpha = np.cumsum(theta, axis=0)
+    coning = within / table.denominator + 0.5 * np.cross(alpha - theta, theta)
+    phi = alpha[-1] + coning.sum(axis=0)
     H = count * interval
     turned = (cos(omega * H / 2), 0.0, 0.0, sin(omega * H / 2))
     w, x, y, z = product(from_rotation_vector((phi[0], phi[1], phi[2])), turned)

@@ -18,7 +18,14 @@ from sculler_model.analysis.advice.candidates import (
 )
 from sculler_model.analysis.advice.coning import coning_drift
 from sculler_model.analysis.advice.cost import Cost, cost
-from sculler_model.analysis.vibration import G, MountResponse, respond, sensor_filter, step_for
+from sculler_model.analysis.vibration import (
+    G,
+    MountResponse,
+    Rectified,
+    respond,
+    sensor_filter,
+    step_for,
+)
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 
@@ -115,12 +122,32 @@ def advise(
     return sorted(found, key=rank)
 
 
+@dataclass(frozen=True)
+class _Shaken:
+    """The sensor assembly under the environment's vibration.
+
+    Attributes:
+        bound: of what that rectifies to, whatever the phases.
+        rate_rms, force_rms: about and along an axis at most, rad/s and m/s².
+    """
+
+    bound: Rectified
+    rate_rms: float
+    force_rms: float
+
+    @classmethod
+    def under(cls, response: MountResponse) -> _Shaken:
+        omega = 2 * np.pi * response.frequency
+        swing = response.power * omega**2 * np.maximum(abs(response.y), abs(response.z)) ** 2
+        return cls(response.worst_phase, float(np.sqrt(swing.sum())), response.force_rms)
+
+
 class _Judge:
     """Holds designs against environment and requirement."""
 
     def __init__(self, environment: Environment, requirement: Requirement) -> None:
         self.environment, self.requirement = environment, requirement
-        self._responses: dict[float, MountResponse] = {}
+        self._shaken: dict[float, _Shaken] = {}
 
     def __call__(self, design: Design) -> Candidate:
         drift, force = self._left(design)
@@ -165,7 +192,7 @@ class _Judge:
                 kind,
             )
             return abs(drift) * PER_HOUR, None
-        bound = self._response(design).worst_phase
+        bound = self._assembly(design).bound
         left = bound.errors(design.table, T, kind, self._filter(design))
         return left.coning * PER_HOUR, hypot(*left.sculling.tolist()) / G * 1e6
 
@@ -173,25 +200,24 @@ class _Judge:
         """Tuned designs here are tuned to sinc, which the closed forms of rates assume anyway."""
         return None if design.algorithm.family == "tuned" else sensor_filter(design)
 
-    def _response(self, design: Design) -> MountResponse:
+    def _assembly(self, design: Design) -> _Shaken:
         assert self.environment.spectrum is not None
         step = step_for(design.algorithm.samples, design.sensor.sample_rate_hz)
         # the narrower bands are for the poles of rate sensors; increments have none
         if design.sensor.kind == "increment":
             step = WIDEST_BAND
-        if step not in self._responses:
-            self._responses[step] = respond(self.environment.spectrum, self.environment.mount, step)
-        return self._responses[step]
+        if step not in self._shaken:
+            response = respond(self.environment.spectrum, self.environment.mount, step)
+            self._shaken[step] = _Shaken.under(response)
+        return self._shaken[step]
 
     def _counts(self, design: Design) -> Iterator[tuple[str, float, float]]:
         """Largest counts, manoeuvre and three sigma of vibration, and what the words hold."""
         rate, force = self.environment.peak_rate, self.environment.peak_force
         if self.environment.spectrum is not None:
-            response = self._response(design)
-            omega = 2 * np.pi * response.frequency
-            swing = response.power * omega**2 * np.maximum(abs(response.y), abs(response.z)) ** 2
-            rate += 3 * float(np.sqrt(swing.sum()))
-            force += 3 * response.force_rms
+            assembly = self._assembly(design)
+            rate += 3 * assembly.rate_rms
+            force += 3 * assembly.force_rms
         elif self.environment.half_angle:
             rate += 2 * pi * self.environment.hertz * sin(self.environment.half_angle)
         T = design.sample_interval if design.sensor.kind == "increment" else 1.0

@@ -1,0 +1,96 @@
+"""What a core is made of: each part's place, kind, signature and what it is for."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from amaranth import Elaboratable
+from amaranth.hdl import Fragment
+
+from sculler_hdl.core import Core
+from sculler_hdl.export.hierarchy import PLAIN_WORDS
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a core.
+
+    Attributes:
+        kind: its class, in small letters and underscores.
+        members: names in its signature.
+        note: what it is for, lines of ASCII; none where that is not told.
+    """
+
+    kind: str
+    members: frozenset[str]
+    note: tuple[str, ...]
+
+
+class Elaborated(Elaboratable):
+    """A core elaborated once, to be converted, and its parts to be looked at.
+
+    Attributes:
+        signature: the core's.
+    """
+
+    def __init__(self, core: Core) -> None:
+        self.signature = core.signature
+        self._core = core
+        self._fragment = Fragment.get(core, None)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._core, name)
+
+    def elaborate(self, platform: object) -> Fragment:
+        return self._fragment
+
+    def parts(self, name: str) -> dict[str, Part]:
+        """The parts below the core by the names Amaranth gives their modules.
+
+        Args:
+            name: of the core's module.
+        """
+        return dict(_below(self._fragment, name))
+
+
+def _below(fragment: Fragment, path: str) -> Iterator[tuple[str, Part]]:
+    for part, name, _ in fragment.subfragments:
+        own = f"{path}.{name}"
+        made_of = part.origins[0] if part.origins else None
+        yield own, _part(made_of)
+        yield from _below(part, own)
+
+
+def _part(component: object) -> Part:
+    if component is None or not type(component).__module__.startswith("sculler_hdl."):
+        return Part("memory" if type(component).__name__ == "Memory" else "part", frozenset(), ())
+    kind = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", type(component).__name__).lower()
+    signature = getattr(component, "signature", None)
+    members = frozenset() if signature is None else frozenset(signature.members)
+    note = _note(inspect.getdoc(type(component)) or "")
+    latency = getattr(component, "latency", getattr(getattr(component, "plan", None), "latency", 0))
+    if isinstance(latency, int) and latency:
+        note = (*note, "", f"Latency here: {latency} clocks.")
+    return Part(kind, members, note)
+
+
+_ASCII = {
+    **dict.fromkeys(map(ord, "─┬┴┼├┤└┘┐┌╴╶"), "-"),
+    **{ord("│"): "|", ord("▶"): ">", ord("◀"): "<", ord("▲"): "^", ord("▼"): "v"},
+    **{ord("·"): "*", ord("×"): "x", ord("Δ"): "d", ord("α"): "alpha", ord("ν"): "nu"},
+    **{ord("θ"): "theta", ord("υ"): "upsilon", ord("Σ"): "sum", ord("—"): "-", ord("–"): "-"},
+}
+"""For the tools that read nothing else, even in comments."""
+
+
+def _note(text: str) -> tuple[str, ...]:
+    """A docstring up to what is about Python; signals by their names in the Verilog text."""
+    told = re.split(
+        r"^(?:Args|Attributes|Members|Raises|Ports[^\n]*):$", text, maxsplit=1, flags=re.M
+    )
+    named = re.sub(r"`(\w+)`", lambda word: PLAIN_WORDS.get(word[1], word[1]), told[0])
+    return tuple(named.translate(_ASCII).strip().splitlines())

@@ -1,0 +1,167 @@
+"""What nothing reads, taken out of a design's modules: bits of ports and wires, and dead cells.
+
+Linters of Verilog ask for that, and in a flat module Yosys would do it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from sculler_hdl.export.rtlil_text import Bit, Cell, Module, Wire, bits_in, of_bits
+
+_RESULTS = frozenset(("\\Y", "\\Q"))
+"""Outputs of the cells that Yosys makes of operations and registers."""
+
+
+def without_unread(modules: Mapping[str, Module], order: list[str]) -> None:
+    """Take out wires that are but other names, and all that nothing reads.
+
+    Args:
+        modules: all modules.
+        order: their names, each after those it is made of; the last one's ports stay.
+    """
+    for _ in range(2):  # what is unread in one module may have been all that read another's
+        _without_unread_outputs(modules, order)
+        _without_unread_bits(modules, order)
+
+
+def _without_unread_bits(modules: Mapping[str, Module], order: list[str]) -> None:
+    """Take out wires that are but other names, and the bits of wires and inputs not read."""
+    left: dict[str, dict[str, list[Cut]]] = {}
+    for name in order:
+        module = modules[name]
+        for cell in module.cells.values():
+            for port, cuts in left.get(cell.kind, {}).items():
+                bits = bits_in(cell.connections.pop(port), module.widths)
+                for cut in cuts:
+                    some = bits[cut.first : cut.last + 1]
+                    cell.connections[cut.name] = of_bits(some, module.widths)
+        _without_aliases(module)
+        left[name] = _cut(module, inputs=name != order[-1])
+
+
+def _without_unread_outputs(modules: Mapping[str, Module], order: list[str]) -> None:
+    """Take out outputs of parts that nothing reads, and what is there for them alone."""
+    read: dict[str, set[str]] = {name: set() for name in order}  # outputs
+    for name in reversed(order):
+        module = modules[name]
+        for port, wire in module.ports.items():
+            if wire.direction == "output" and port not in read[name] and name != order[-1]:
+                wire.direction = ""
+        bits = _read_bits(module, modules)
+        while dead := [key for key, cell in module.cells.items() if _is_dead(cell, bits, module)]:
+            for key in dead:
+                del module.cells[key]
+            bits = _read_bits(module, modules)
+        for cell in module.cells.values():
+            for port, wire in modules[cell.kind].ports.items() if cell.kind in modules else ():
+                if wire.direction == "output" and bits.intersection(
+                    bits_in(cell.connections[port], module.widths)
+                ):
+                    read[cell.kind].add(port)
+    for name in order:
+        for cell in modules[name].cells.values():
+            if cell.kind in modules:
+                there = modules[cell.kind].ports
+                cell.connections = {p: s for p, s in cell.connections.items() if p in there}
+
+
+def _read_bits(module: Module, modules: Mapping[str, Module]) -> set[Bit]:
+    """The bits that something in a module reads, or that it hands out."""
+    signals = [right for _, right in module.connections]
+    for cell in module.cells.values():
+        for port, signal in cell.connections.items():
+            if cell.kind in modules:
+                driven = modules[cell.kind].wires[port].direction != "input"
+            else:
+                driven = cell.kind.startswith("$") and port in _RESULTS
+            if not driven:
+                signals.append(signal)
+    signals += [name for name, wire in module.ports.items() if wire.direction == "output"]
+    widths = module.widths
+    return {bit for signal in signals for bit in bits_in(signal, widths)}
+
+
+def _is_dead(cell: Cell, read: set[Bit], module: Module) -> bool:
+    """Whether nothing reads what an operation or a register gives."""
+    if not cell.kind.startswith("$") or not _RESULTS & cell.connections.keys():
+        return False
+    results = [cell.connections[port] for port in _RESULTS & cell.connections.keys()]
+    return not any(read.intersection(bits_in(signal, module.widths)) for signal in results)
+
+
+def _without_aliases(module: Module) -> None:
+    """Put what a wire is connected to in its place, but for outputs."""
+    widths = module.widths
+    aliases: dict[Bit, Bit] = {}
+    outputs: dict[str, dict[Bit, Bit]] = {}
+    for left, right in module.connections:
+        for bit, of in zip(bits_in(left, widths), bits_in(right, widths), strict=True):
+            if module.wires[bit[0]].direction:
+                outputs.setdefault(bit[0], {})[bit] = of
+            else:
+                aliases[bit] = of
+
+    def followed(bit: Bit) -> Bit:
+        while bit in aliases:
+            bit = aliases[bit]
+        return bit
+
+    module.connections = [
+        (of_bits(list(bits), widths), of_bits(list(bits.values()), widths))
+        for bits in (dict(sorted(bits.items())) for bits in outputs.values())
+    ]
+    module.replace_bits(followed, module.wires)
+
+
+class Cut(NamedTuple):
+    """What is left of a wire: a name, and which bits of the whole it has."""
+
+    name: str
+    first: int
+    last: int
+
+
+def _cut(module: Module, *, inputs: bool) -> dict[str, list[Cut]]:
+    """Leave of each wire only the bits that stand anywhere; what became of inputs."""
+    there: dict[str, set[int]] = {name: set() for name in module.wires}
+    for name, bit in module.bits():
+        if name in there:
+            there[name].add(bit)
+    cuts: dict[str, list[Cut]] = {}
+    for name, wire in module.wires.items():
+        if wire.direction == "output" or (wire.direction == "input" and not inputs):
+            continue
+        runs = _runs(there[name])
+        if runs != [(0, wire.width - 1)]:
+            cuts[name] = [
+                Cut(name if len(runs) == 1 else f"{name}[{last}:{first}]", first, last)
+                for first, last in runs
+            ]
+    changes = {
+        (name, bit): (cut.name, bit - cut.first)
+        for name, parts in cuts.items()
+        for cut in parts
+        for bit in range(cut.first, cut.last + 1)
+    }
+    wires: dict[str, Wire] = {}
+    for name, wire in module.wires.items():
+        for cut in cuts.get(name, [Cut(name, 0, wire.width - 1)]):
+            width = cut.last - cut.first + 1
+            init = wire.init and wire.init[wire.width - 1 - cut.last : wire.width - cut.first]
+            wires[cut.name] = Wire(width, wire.direction, wire.place, wire.signed, init)
+    found = {name: cut for name, cut in cuts.items() if module.wires[name].direction}
+    module.replace_bits(lambda bit: changes.get(bit, bit), wires)
+    return found
+
+
+def _runs(bits: set[int]) -> list[tuple[int, int]]:
+    """First and last of each run of neighbours."""
+    runs: list[tuple[int, int]] = []
+    for bit in sorted(bits):
+        if runs and runs[-1][1] == bit - 1:
+            runs[-1] = (runs[-1][0], bit)
+        else:
+            runs.append((bit, bit))
+    return runs

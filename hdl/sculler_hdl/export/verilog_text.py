@@ -1,0 +1,93 @@
+"""The Verilog that Yosys writes, put as a person would: ports in the head, registers before wires.
+
+Registers start by `initial` statements, not by initialisers in their declarations.  Memories are
+marked as never depending on a word read as it is written, which saves iCE40 synthesis the logic to
+make sure of it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+_MODULE = re.compile(
+    r"^module (?P<name>\w+)\((?P<ports>.*?)\);\n(?P<body>.*?)^endmodule$", re.M | re.S
+)
+_DECLARED = re.compile(
+    r"  (?P<kind>input|output|wire|reg) (?P<range>\[\d+:0\] )?(?P<name>\w+)"
+    r"(?P<words> \[\d+:0\])?(?: = (?P<init>[^;]+))?;$"
+)
+
+
+WIDEST = 100
+"""Characters of a line."""
+
+
+def wrapped(text: str) -> str:
+    """The text with no line longer than `WIDEST`, as far as it can be broken."""
+    return "".join(f"{part}\n" for line in text.splitlines() for part in _parts(line))
+
+
+def _parts(line: str) -> Iterator[str]:
+    margin = re.match(r"(?:// ?)? *", line)
+    indent = (margin[0] if margin else "") + "    "
+    while len(line) > WIDEST:
+        end = max(line.rfind(mark, len(indent), WIDEST) + 1 for mark in (" ", "("))
+        if end <= len(indent):
+            break
+        yield line[:end].rstrip()
+        line = indent + line[end:]
+    yield line
+
+
+def read_verilog(text: str) -> dict[str, str]:
+    """Yosys' text of the modules of a design, by name: from `module` to `endmodule`."""
+    return {found["name"]: found[0] for found in _MODULE.finditer(text)}
+
+
+def tidy(
+    module: str, ports: Sequence[str] = (), note: Sequence[str] = (), *, initial: bool = True
+) -> str:
+    """A module with its ports in its head.
+
+    Args:
+        module: as `read_verilog` gives it.
+        ports: order of the ports; those not told follow as they stand, clock and reset first.
+        note: lines of a comment above it.
+        initial: whether registers and memories get their initial values.
+    """
+    found = _MODULE.fullmatch(module)
+    assert found is not None, "no module"
+    own = re.findall(r"\w+", found["ports"])
+    first = [*ports, *(port for port in ("clk", "rst") if port in own and port not in ports)]
+    order = [*first, *(port for port in own if port not in first)]
+    heads: dict[str, str] = {}
+    registers: list[str] = []
+    starts: list[str] = []
+    wires: list[str] = []
+    rest: list[str] = []
+    for line in found["body"].splitlines():
+        declared = _DECLARED.match(line)
+        if declared is None:
+            rest.append(line)
+            continue
+        kind, width, name = declared["kind"], declared["range"] or "", declared["name"]
+        if kind in ("input", "output"):
+            heads[name] = f"{kind} {width}{name}"
+        elif name in heads:
+            heads[name] = heads[name].replace(
+                "output ", "output reg " if kind == "reg" else "output "
+            )
+        elif declared["words"]:
+            registers.append(f"  (* no_rw_check *) reg {width}{name}{declared['words']};")
+        else:
+            (registers if kind == "reg" else wires).append(f"  {kind} {width}{name};")
+        if declared["init"] and initial:
+            starts.append(f"  initial {name} = {declared['init']};")
+    body = re.sub(r"^  function (?=\[)", "  function automatic ", "\n".join(rest), flags=re.M)
+    if not initial:
+        body = re.sub(r"^  initial begin\n.*?^  end\n", "", body, flags=re.M | re.S)
+    listed = ",\n".join(f"  {heads[port]}" for port in order)
+    lines = [*(f"// {line}".rstrip() for line in note), f"module {found['name']} (", listed, ");"]
+    text = "\n".join([*lines, *registers, *wires, *starts, body, "endmodule", ""])
+    return re.sub(r"\b(\d+)'h0{20,}\b", r"{\1{1'h0}}", text)
