@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from against_golden import assert_same, golden, in_chunks
-from position_designs import HIGH_RESOLUTION
+from position_designs import HIGH_RESOLUTION, furthest
 from sculler_model.design import STATUS_RAIL, Design
 from sculler_model.errors import InputError
 from sculler_model.fast import FastModel, component_limbs, limbs_of
@@ -63,6 +65,46 @@ def test_counts_at_their_rails(name: str, rng: np.random.Generator) -> None:
         assert (block.status & STATUS_RAIL).all()
 
 
+@pytest.mark.parametrize("opposed", [2, 1])
+def test_sums_of_digits_at_their_largest(opposed: int) -> None:
+    """2^31 - 1 has the largest digit of 30 bits: against -2^31 four products come near 2^63."""
+    one: dict[str, Any] = {"denominator": 1, "taps": [[], [1]], "weights": [1, 1]}
+    design = make_design("digits", 2, 0, 3, (32, 32), **one)
+    assert component_limbs(design) == 2
+    lo, hi = -(2**31), 2**31 - 1
+    counts = np.full((12, 6), hi)
+    counts[1::2, [opposed, 3 + opposed]] = lo
+    assert_same(FastModel(design, compiled=True).feed(counts), golden(design, counts))
+    counts[1::2] = lo
+    counts[1::2, [opposed, 3 + opposed]] = hi
+    assert_same(FastModel(design, compiled=True).feed(counts), golden(design, counts))
+
+
+@pytest.mark.parametrize("name", ["wide_hr", "smallest_hr"])
+def test_scrolling_at_its_extremes(name: str) -> None:
+    design = HIGH_RESOLUTION[name]
+    for axis in range(3):
+        for sign in (1, -1):
+            counts = furthest(design, axis, sign)
+            assert_same(FastModel(design, compiled=True).feed(counts), golden(design, counts))
+
+
+@pytest.mark.deep
+@settings(max_examples=30, deadline=None)
+@given(
+    taps=st.lists(st.integers(-(10**80), 10**80), min_size=1, max_size=6).filter(any),
+    weights=st.lists(st.integers(-(10**60), 10**60), min_size=1, max_size=4).filter(any),
+    bits=st.tuples(st.integers(8, 32), st.integers(8, 32)),
+    seed=st.integers(0, 2**32),
+)
+def test_equals_golden_for_coefficients_of_hundreds_of_bits(
+    taps: list[int], weights: list[int], bits: tuple[int, int], seed: int
+) -> None:
+    design = make_design("huge", 3, 1, 4, bits, denominator=1, taps=taps, weights=weights)
+    counts = random_counts(design, 40, np.random.default_rng(seed))
+    assert_same(FastModel(design, compiled=True).feed(counts), golden(design, counts))
+
+
 @pytest.mark.parametrize(
     "kind", ["i1", "u1", "<i2", ">i2", "<u2", "<i4", ">i4", "<u4", "<i8", ">i8", "<u8"]
 )
@@ -76,8 +118,10 @@ def test_any_type_of_integer(kind: str, rng: np.random.Generator) -> None:
     apart[::2, :6] = counts
     fixed = counts.astype(kind)
     fixed.flags.writeable = False
-    for given in (apart[::2, :6], fixed, np.asfortranarray(fixed)):
-        assert_same(FastModel(design, compiled=True).feed(given), expected)
+    askew = np.zeros(fixed.nbytes + 1, np.uint8)[1:].view(kind).reshape(fixed.shape)
+    askew[:] = fixed
+    for array in (apart[::2, :6], fixed, np.asfortranarray(fixed), askew):
+        assert_same(FastModel(design, compiled=True).feed(array), expected)
 
 
 @pytest.mark.parametrize("dtype", [np.int32, np.int64, np.uint32, np.uint64])
