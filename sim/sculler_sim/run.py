@@ -100,19 +100,34 @@ def check_chunks(design: Design, chunks: Iterable[Chunk | None]) -> Iterator[Che
                 f"samples from {first} on: {counts.dtype} counts of shape {counts.shape}, give"
                 " integers of shape (N, 6)"
             )
-        marks = np.zeros(len(counts), np.uint8) if faults is None else np.asarray(faults)
-        if marks.shape != (len(counts),) or ((marks != 0) & (marks != 1)).any():
+        marks = np.zeros(len(counts), bool) if faults is None else np.asarray(faults)
+        legal = marks.shape == (len(counts),)
+        if not legal or (marks.dtype != bool and ((marks != 0) & (marks != 1)).any()):
             raise InputError(
                 f"samples from {first} on: faults of shape {marks.shape}, give {len(counts)}"
                 " of 0 or 1"
             )
         if not len(counts):
             continue
-        if (counts.min(axis=0) < lo).any() or (counts.max(axis=0) > hi).any():
+        least, most = _extremes(counts)
+        if (least < lo).any() or (most > hi).any():
             row = int(((counts < lo) | (counts > hi)).any(axis=1).argmax())
             check_widths(words, first + row, counts[row].tolist())
         yield np.ascontiguousarray(counts, np.int32), np.ascontiguousarray(marks, np.uint8)
         first += len(counts)
+
+
+def _extremes(counts: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Least and greatest of each column, (6,): many rows beside each other, for long vectors."""
+    wide = counts[: len(counts) // _ROWS * _ROWS].reshape(-1, 6 * _ROWS)
+    rest = counts[len(wide) * _ROWS :]
+    if not len(wide):
+        return rest.min(axis=0), rest.max(axis=0)
+    least, most = (edge(axis=0).reshape(-1, 6) for edge in (wide.min, wide.max))
+    return np.vstack([least, rest]).min(axis=0), np.vstack([most, rest]).max(axis=0)
+
+
+_ROWS = 64
 
 
 @dataclass(frozen=True)

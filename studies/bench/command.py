@@ -18,13 +18,15 @@ from sculler import terminal
 from sculler.words import three_digits
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from studies.bench import analyses, files, navigators
+from studies.bench import analyses, files, kernels, navigators, rtl
 from studies.bench.contest import Contest, hold
 from studies.bench.tasks import measure, tasks
 
 SUBJECTS: dict[str, Callable[[Path], list[Contest]]] = {
     "analyses": analyses.contests,
     "files": files.contests,
+    "kernels": kernels.contests,
+    "rtl": rtl.contests,
 }
 """Contests by subject, each made from a folder for its files."""
 

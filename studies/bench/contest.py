@@ -81,12 +81,13 @@ def _row(contest: Contest, ours: list[float], theirs: list[float]) -> dict[str, 
     }
 
 
-def compiled(source: str, program: str) -> str | None:
+def compiled(source: str, program: str, *options: str) -> str | None:
     """Compile a C source for the other side; returns what is missing, None where all went well.
 
     Args:
         source: path of the C source.
         program: path of the program or, where it ends in `.so`, of the shared library to write.
+        options: of the compiler, besides.
     """
     import subprocess
 
@@ -94,7 +95,9 @@ def compiled(source: str, program: str) -> str | None:
     flags = ["-O3", "-march=native", "-Wall", "-Wextra"]
     try:
         done = subprocess.run(
-            ["gcc", *flags, *shared, "-o", program, source], capture_output=True, text=True
+            ["gcc", *flags, *shared, *options, "-o", program, source],
+            capture_output=True,
+            text=True,
         )
     except FileNotFoundError:
         return "gcc is missing"

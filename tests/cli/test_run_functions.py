@@ -13,11 +13,12 @@ import pytest
 from sculler.formats.log import LogWriter
 from sculler.runs.conversion import Layout, convert_log
 from sculler.runs.conversion import Plan as ConversionPlan
-from sculler.runs.counts import model_log, simulate_log
+from sculler.runs.counts import WITHOUT_NUMBA, model_log, simulate_log
 from sculler.runs.demo import run_demo
 from sculler.runs.navigation import Carrier, Given, Plan, navigate_file
 from sculler_model.design import Design
 from sculler_model.errors import ContradictionError, InputError
+from sculler_model.fast import model as fast
 from sculler_model.frames import AxisMap
 from sculler_model.motion import at_rest
 from sculler_model.samples import Quantiser
@@ -144,3 +145,15 @@ def test_demo_tells_its_steps(tmp_path: Path) -> None:
     # 1 s of 2,000 Hz, 20 samples a major interval
     assert (outcome.samples, outcome.majors) == (2000, 100)
     assert outcome.pictures == []
+
+
+def test_a_long_run_without_numba_says_so_once(
+    tmp_path: Path, design: Path, log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    little = Design.load(design)
+    monkeypatch.setattr(fast, "kernel_class", lambda: None)
+    for worth, told in ((27, 1), (28, 0)):
+        monkeypatch.setattr(fast, "WORTH_COMPILING", worth)
+        done = model_log(little, log, tmp_path / "model.csv", "fast", lambda amount: None)
+        assert done.warnings.count(WITHOUT_NUMBA) == told
+        assert done.samples == 27

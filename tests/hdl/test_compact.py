@@ -135,10 +135,10 @@ def test_memories_may_hold_anything_at_first(name, hardware, clocks, monkeypatch
     """All but the program's, which is never written."""
     rng = random.Random(4)
 
-    def spoilt(target, width, initial, *, written=True, primitive=True):
+    def spoilt(target, width, initial, *, written=True, **others):
         if written:
             initial = [rng.randrange(1 << width) for _ in initial]
-        return BlockMemory(target, width, initial, written=written, primitive=primitive)
+        return BlockMemory(target, width, initial, written=written, **others)
 
     monkeypatch.setattr(compact_core, "BlockMemory", spoilt)
     monkeypatch.setattr(compact_engine, "BlockMemory", spoilt)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -10,45 +9,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from against_golden import assert_same, golden, in_chunks
 from position_designs import HIGH_RESOLUTION, furthest
 from sculler_model.design import Design, Interval
 from sculler_model.errors import InputError
-from sculler_model.fast import FastModel, VectorBlock, component_limbs, limbs_of, run_fast
+from sculler_model.fast import FastModel, VectorBlock, component_limbs, run_fast
 from sculler_model.fast import arithmetic as fast
-from sculler_model.golden import GoldenModel
-from strategies import DESIGNS, Counts, designs, make_design, random_counts
+from strategies import DESIGNS, designs, make_design, random_counts
 
 
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(20120217)
-
-
-def golden(design: Design, counts: Counts, faults: Any = None) -> VectorBlock:
-    marks = [0] * len(counts) if faults is None else [int(bool(f)) for f in faults]
-    samples = (
-        ((a, b, c), (d, e, f), mark)
-        for (a, b, c, d, e, f), mark in zip(counts.tolist(), marks, strict=True)
-    )
-    return VectorBlock.from_results(GoldenModel(design).run(samples), design)
-
-
-def assert_same(ours: VectorBlock, theirs: VectorBlock) -> None:
-    assert len(ours) == len(theirs)
-    assert ours.first_difference(theirs) is None
-    assert np.array_equal(limbs_of(ours.components), limbs_of(theirs.components))
-    assert ours.major.dtype == ours.status.dtype == np.int64
-
-
-def in_chunks(model: FastModel, counts: Counts, cuts: list[int], faults: Any = None) -> VectorBlock:
-    edges = [0, *sorted(cuts), len(counts)]
-    blocks = []
-    for start, stop in pairwise(edges):
-        part = None if faults is None else faults[start:stop]
-        blocks.append(model.feed(counts[start:stop], part))
-        assert model.samples == stop
-        assert model.leftover == stop % model.design.samples_per_major
-    return VectorBlock.concatenate(blocks)
 
 
 @pytest.mark.parametrize("few_minors", [0, fast.FEW_MINORS, 4096])

@@ -73,7 +73,7 @@ def test_whatever_a_library_is_made_of_is_in_its_name(own_cache, use_verilog, mo
     libraries = [build(DESIGN), build(DESIGN, Path("x.vcd"))]
     use_verilog(DESIGN, "assign sample_ready = 1;")
     libraries.append(build(DESIGN))
-    for constant in ("_CORE_FLAGS", "_VERILATOR_FLAGS"):
+    for constant in ("_CORE_FLAGS", "VERILATOR_FLAGS"):
         monkeypatch.setattr(verilator_build, constant, [*getattr(verilator_build, constant), "-x"])
         libraries.append(build(DESIGN))
     monkeypatch.setattr(verilator_build, "_harness", lambda *_: "other harness")
@@ -83,6 +83,23 @@ def test_whatever_a_library_is_made_of_is_in_its_name(own_cache, use_verilog, mo
         monkeypatch.setattr(Tools, "find", lambda tools=tools: tools)
         libraries.append(build(DESIGN))
     assert len(set(libraries)) == len(libraries) == 8
+
+
+@pytest.mark.deep  # three compilations that share no header
+@pytest.mark.parametrize("wave", [None, "x.vcd"])
+def test_a_large_model_is_compiled_in_parts(own_cache, tmp_path, monkeypatch, wave):
+    monkeypatch.setattr(verilator_build, "_LARGE", 0)
+    commands = []
+    run = verilator_build.processes.run
+
+    def remembered(*some, **kwargs):
+        commands.append([command[-1] for command in some])
+        return run(*some, **kwargs)
+
+    monkeypatch.setattr(verilator_build.processes, "run", remembered)
+    build(DESIGN, tmp_path / wave if wave else None)
+    assert any({"core.o", "half.o", "start.o"} <= set(some) for some in commands)
+    check_simulation()
 
 
 def test_builds_side_by_side_do_not_disturb_each_other(own_cache):

@@ -17,12 +17,12 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.formats.compiled import Kernels, kernels
+from sculler.formats import lines
+from sculler.formats.compiled import WORTH_READING, Kernels, kernels
 from sculler.formats.compiled.printing import FLOAT_BYTES, WHOLE_BYTES
 from sculler.formats.compiled.scanning import FAULT as FAULT_KIND
 from sculler.formats.compiled.scanning import SEQUENCE as SEQUENCE_KIND
 from sculler.formats.compiled.scanning import TIME as TIME_KIND
-from sculler.formats.lines import ahead, whole_lines
 from sculler.formats.log_columns import (
     COUNTS,
     FAULT,
@@ -44,6 +44,7 @@ from sculler_model.errors import InputError
 
 _INTEGER = re.compile(rb"[ \t]*[+-]?[0-9]+[ \t]*")
 _DECIMAL = re.compile(rb"[ \t]*[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*")
+_BLOCKS = 8  # of `lines.BLOCK_BYTES` of a large file, which compiled loops parse without arrays
 _MAX_HEADER = 4096  # bytes; a binary file may have no line end for long
 _KINDS = {FAULT: FAULT_KIND, TIME: TIME_KIND, SEQUENCE: SEQUENCE_KIND}
 
@@ -66,7 +67,7 @@ def read_text_log(
         size = Path(path).stat().st_size if regular else 0
         chunks = _chunks(file, _Layout(str(path), design), size, advance)
         # a pipe may wait for ever, and a thread that waits cannot be stopped
-        yield from ahead(chunks) if regular else chunks
+        yield from lines.ahead(chunks) if regular else chunks
 
 
 class _Layout:
@@ -231,7 +232,9 @@ def _chunks(
     header = file.readline(_MAX_HEADER)
     layout.read_header(header.rstrip(b"\r\n"))
     line, seen = 2, 0
-    for block in whole_lines(file, layout.name):
+    large = size >= WORTH_READING and kernels(size) is not None
+    together = lines.BLOCK_BYTES * (_BLOCKS if large else 1)
+    for block in lines.whole_lines(file, layout.name, together):
         seen += len(block)
         if advance is not None:
             advance(len(block))
@@ -240,8 +243,8 @@ def _chunks(
                 f"{layout.name}: line {line}: the last line has no line end, so the file seems cut"
                 " short; write it again (or end the line, if it is whole)"
             )
-        lines = block.replace(b"\r\n", b"\n") if b"\r" in block else block
-        chunk = layout.read(lines, line, kernels(max(size, seen)))
+        plain = block.replace(b"\r\n", b"\n") if b"\r" in block else block
+        chunk = layout.read(plain, line, kernels(max(size, seen)))
         yield chunk
         line += len(chunk.counts)
     if line == 2:

@@ -27,9 +27,9 @@ from numpy.typing import NDArray
 
 from sculler.formats import lines
 from sculler.formats.compiled import Kernels, kernels
-from sculler.formats.tables.columns import Block
+from sculler.formats.tables import Block, TableReader
 from sculler.formats.tables.npz import NpzReader, damage_told
-from sculler.readers.arrays import parquet_columns, parquet_names
+from sculler.formats.tables.parquet import ParquetReader
 from sculler.readers.mat import mat_columns
 from sculler_model.errors import InputError
 from sculler_model.frames import from_euler
@@ -109,7 +109,15 @@ Tables = tuple[list[str], Iterator[Block]]
 
 def _npz(path: Path) -> Tables:
     with damage_told(path):
-        table = NpzReader(path)
+        return _streamed(NpzReader(path))
+
+
+def _parquet(path: Path) -> Tables:
+    return _streamed(ParquetReader(path))
+
+
+def _streamed(table: TableReader) -> Tables:
+    """The columns of a file that is read block by block."""
 
     def blocks() -> Iterator[Block]:
         with closing(table):
@@ -121,11 +129,6 @@ def _npz(path: Path) -> Tables:
 def _mat(path: Path) -> Tables:
     columns = mat_columns(path)
     return list(columns), iter([columns])
-
-
-def _parquet(path: Path) -> Tables:
-    names = parquet_names(path)
-    return names, parquet_columns(path, [name for name in names if name in KNOWN])
 
 
 _TABLES = ((b"PK\x03\x04", _npz), (b"MATLAB ", _mat), (b"PAR1", _parquet))

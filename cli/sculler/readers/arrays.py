@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.formats.log import COUNTS, FAULT
+from sculler.formats.tables.parquet import values
 from sculler.readers.apart import Shape
 from sculler.readers.columns import headed, recognise
 from sculler.readers.delimited import fault_flags
@@ -178,25 +179,6 @@ def _stamps(path: Path, given: list[NDArray[Any]]) -> NDArray[np.int64] | NDArra
     return seconds * 10**9 + nanoseconds
 
 
-def parquet_names(path: Path) -> list[str]:
-    """Names of the columns of a Parquet file.
-
-    Raises:
-        InputError: pyarrow is absent, or the file is no Parquet file.
-    """
-    return list(_parquet_file(path).schema_arrow.names)
-
-
-def parquet_columns(path: Path, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
-    """Columns of a Parquet file by their names, batch by batch.
-
-    Raises:
-        InputError: pyarrow is absent, the file is no whole Parquet file, or a column holds
-            anything but numbers.
-    """
-    yield from _batches(path, _parquet_file(path), names)
-
-
 def _parquet_file(path: Path) -> Any:
     try:
         import pyarrow as pa
@@ -220,7 +202,7 @@ def _batches(path: Path, file: Any, names: Sequence[str]) -> Iterator[dict[str, 
 
     first = 0
     try:
-        for batch in file.iter_batches(_CHUNK_ROWS, columns=list(names)):
+        for batch in file.iter_batches(_CHUNK_ROWS, columns=list(names), use_threads=False):
             if batch.num_rows:
                 yield {name: _arrow_numbers(path, first, batch, name) for name in names}
             first += batch.num_rows
@@ -234,6 +216,10 @@ def _arrow_numbers(path: Path, first: int, batch: Any, name: str) -> NDArray[Any
     if array.null_count:
         row = first + int(np.argmax(array.is_null().to_numpy(zero_copy_only=False)))
         raise InputError(f"{path}: sample {row}: {name} is empty, give a finite number")
+    import pyarrow as pa
+
+    if pa.types.is_integer(array.type) or pa.types.is_floating(array.type):
+        return values(array)
     numbers: NDArray[Any] = array.to_numpy(zero_copy_only=False)
     if numbers.dtype.kind == "M":
         numbers = numbers.astype("datetime64[ns]").astype(np.int64)

@@ -35,6 +35,8 @@ from sculler_sim.stimulus import Stimulus
 
 ModelEngine = Literal["fast", "reference"]
 
+WITHOUT_NUMBA = "computed without Numba, several times more slowly: install sculler[fast]"
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -50,6 +52,7 @@ class Summary:
         breaks: what the log's stamps and its counter showed.
         implausible: counts that no sensor gives, in words.
         clocks: clocks simulated; None for the model.
+        advice: how to have it faster, in words, where there is a way.
     """
 
     design: Design
@@ -64,11 +67,12 @@ class Summary:
     breaks: BreakFinder
     implausible: list[str]
     clocks: int | None = None
+    advice: tuple[str, ...] = ()
 
     @property
     def warnings(self) -> list[str]:
         """What the user should know."""
-        return [*self.breaks.warnings(), *self.implausible]
+        return [*self.breaks.warnings(), *self.implausible, *self.advice]
 
     def as_json(self) -> dict[str, Any]:
         """As plain data."""
@@ -157,7 +161,10 @@ def model_log(
                 yield source.stamped(model.feed(*chunk))
 
     counted = _write(design, blocks(), output)
-    return source.summary(counted, time.perf_counter() - start)
+    summary = source.summary(counted, time.perf_counter() - start)
+    if isinstance(model, FastModel) and model.lacks_numba:
+        return replace(summary, advice=(WITHOUT_NUMBA,))
+    return summary
 
 
 def simulate_log(

@@ -63,6 +63,7 @@ def texts_of(generated: Generated) -> dict[str, str]:
     name = generated.manifest.design.name
     texts = {
         f"{name}.v": generated.verilog,
+        f"{name}.vhd": generated.vhdl,
         f"{name}.json": json.dumps(generated.manifest.as_json(), indent=2) + "\n",
         **{f"{cell}.v": text for cell, text in generated.cells.items()},
     }

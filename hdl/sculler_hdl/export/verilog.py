@@ -26,6 +26,7 @@ from sculler_hdl.export.port_names import with_signature_names
 from sculler_hdl.export.rtlil_text import read_modules
 from sculler_hdl.export.rtlil_widths import equal_widths
 from sculler_hdl.export.verilog_text import read_verilog, tidy, wrapped
+from sculler_hdl.export.vhdl import vhdl
 from sculler_hdl.plan.ports import Port
 from sculler_hdl.targets import cell_models
 from sculler_model.design import Design
@@ -41,12 +42,14 @@ class Generated:
         verilog: the text of NAME.v.
         manifest: what the core is; `as_json` gives the content of NAME.json.
         cells: behavioural Verilog of the vendor blocks that the text instantiates, by block.
+        vhdl: the text of NAME.vhd, a component declaration and a wrapper for VHDL projects.
         listing: the compact core's schedule, for people to read; None for the pipelined core.
     """
 
     verilog: str
     manifest: Manifest
     cells: dict[str, str]
+    vhdl: str
     listing: str | None
 
 
@@ -65,7 +68,7 @@ def generate(design: Design) -> Generated:
     verilog = wrapped("\n".join([_header(design, core.timing, ports), *modules, _END]))
     checksum = hashlib.sha256(verilog.encode()).hexdigest()
     manifest = make_manifest(core, checksum)
-    return Generated(verilog, manifest, _cells(verilog), core.listing)
+    return Generated(verilog, manifest, _cells(verilog), vhdl(design.name, ports), core.listing)
 
 
 def _modules(core: Core, ports: Sequence[str]) -> list[str]:

@@ -178,7 +178,7 @@ def monte_carlo(
         InputError: the coning does not fit 32 bits of so fine an LSB, or is out of range.
     """
     record = _Record(design, half_angle, hertz, lsb)
-    core = FastModel(record.design)
+    core = FastModel(record.design, expected=trials * record.length)
     at_once = max(TOGETHER // record.length, 1)
     drawn = draws(half_angle, trials, seed)
     added, largest = [], 0.0

@@ -100,6 +100,11 @@ class VectorBlock(Table):
     def __len__(self) -> int:
         return len(self.major)
 
+    def __getitem__(self, part: slice | NDArray[np.bool_]) -> VectorBlock:
+        """Some of the results: a slice, or those a mask (R,) names."""
+        times = None if self.times is None else self.times[part]
+        return VectorBlock(self.major[part], self.status[part], self.components[part], times)
+
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns of its rows."""

@@ -100,8 +100,12 @@ def position_rotation(alpha: Array, upsilon: Array, s_alpha: Array, s_upsilon: A
 
 
 def one_minus_cosine(x: Array) -> Array:
-    """(1 - cos x)/x², to rounding for every x: half the square of sin(x/2)/(x/2)."""
-    return 0.5 * np.sinc(x / (2 * np.pi)) ** 2
+    """(1 - cos x)/x², to rounding for every x: by its series where |x| < 1.
+
+    Elsewhere it is half the square of sin(x/2)/(x/2).
+    """
+    large = 0.5 * np.sinc(x / (2 * np.pi)) ** 2
+    return np.where(np.abs(x) < 1, _series(2, x), large)
 
 
 def one_minus_sine(x: Array) -> Array:

@@ -6,6 +6,7 @@ Only here do scale factors and denominators enter, in double precision, once a m
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -13,16 +14,23 @@ from numpy.typing import NDArray
 
 from sculler_model.algorithms import S_DENOMINATOR, SCROLLING_DENOMINATOR
 from sculler_model.design import Design
-from sculler_model.fast import VectorBlock
+from sculler_model.fast import VectorBlock, limbs_of
 from sculler_model.host.compensation import (
     displacement,
     velocity_higher_orders,
     velocity_rotation,
 )
+from sculler_model.host.compiled import compiled_scale
 from sculler_model.host.increments import MajorIncrements
 from sculler_model.host.third_order import ThirdOrder
 
 Array = NDArray[np.float64]
+
+WORTH_COMPILING = 500_000
+"""Intervals that numpy takes as long for as Numba takes to be loaded."""
+
+PART = 8192
+"""Intervals that numpy scales at a time: few enough for the cache."""
 
 
 def major_increments(
@@ -47,29 +55,70 @@ def major_increments(
     Returns:
         The increments, with the block's status and, where it has them, its times.
     """
-    g, a = design.gyro_scale, design.accel_scale
-    alpha, upsilon = _sums(design, block)
-    coning, sculling = _correction(design, block, "coning"), _correction(design, block, "sculling")
-    increments = MajorIncrements(
-        phi=alpha + g * g * coning,
-        alpha=alpha,
-        dv_sf=upsilon + velocity_rotation(alpha, upsilon) + a * g * sculling,
-        status=block.status,
-        times=block.times,
-    )
     if design.high_resolution:
-        T = design.sample_interval
-        s_alpha = block.vector("s_alpha").astype(np.float64) * (g * T / S_DENOMINATOR)
-        s_upsilon = block.vector("s_nu").astype(np.float64) * (a * T / S_DENOMINATOR)
-        scrolling = block.vector("scrolling").astype(np.float64)
-        scrolling *= a * g * T / SCROLLING_DENOMINATOR
-        higher = velocity_higher_orders(alpha, a * g * sculling, scrolling, design.major_interval)
-        increments = replace(
-            increments,
-            dv_sf=increments.dv_sf + higher,
-            dr_sf=displacement(alpha, upsilon, s_alpha, s_upsilon, scrolling),
-        )
+        increments = _with_displacement(design, block)
+    elif len(block) >= WORTH_COMPILING or "numba" in sys.modules:
+        increments = _compiled(design, block)
+    else:
+        increments = _scaled(design, block)
     return ThirdOrder()(increments) if third_order else increments
+
+
+def _scaled(design: Design, block: VectorBlock) -> MajorIncrements:
+    """φ, α and ΔV_SF, in numpy."""
+    phi, alpha, dv_sf = (np.empty((len(block), 3)) for _ in range(3))
+    *_, coning, sculling = _units(design)
+    for first in range(0, len(block), PART):
+        part = slice(first, first + PART)
+        some = block[part]
+        alpha[part], upsilon = _sums(design, some)
+        phi[part] = alpha[part] + coning * _correction(design, some, "coning")
+        turned = upsilon + velocity_rotation(alpha[part], upsilon)
+        dv_sf[part] = turned + sculling * _correction(design, some, "sculling")
+    return MajorIncrements(phi, alpha, dv_sf, status=block.status, times=block.times)
+
+
+def _compiled(design: Design, block: VectorBlock) -> MajorIncrements:
+    """The same numbers through Numba, where it is there."""
+    scale = compiled_scale()
+    if scale is None:
+        return _scaled(design, block)
+    phi, alpha, dv_sf = (np.empty((len(block), 3)) for _ in range(3))
+    left = scale(limbs_of(block.components), _units(design), phi, alpha, dv_sf)
+    if left.any():
+        dv_sf[left] = _scaled(design, block[left]).dv_sf
+    return MajorIncrements(phi, alpha, dv_sf, status=block.status, times=block.times)
+
+
+def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
+    """φ, α, ΔV_SF and ΔR_SF of a design with high-resolution position."""
+    g, a, T = design.gyro_scale, design.accel_scale, design.sample_interval
+    increments = _scaled(design, block)
+    alpha, upsilon = _sums(design, block)
+    s_alpha = block.vector("s_alpha").astype(np.float64) * (g * T / S_DENOMINATOR)
+    s_upsilon = block.vector("s_nu").astype(np.float64) * (a * T / S_DENOMINATOR)
+    scrolling = block.vector("scrolling").astype(np.float64)
+    scrolling *= a * g * T / SCROLLING_DENOMINATOR
+    sculling = a * g * _correction(design, block, "sculling")
+    higher = velocity_higher_orders(alpha, sculling, scrolling, design.major_interval)
+    return replace(
+        increments,
+        dv_sf=increments.dv_sf + higher,
+        dr_sf=displacement(alpha, upsilon, s_alpha, s_upsilon, scrolling),
+    )
+
+
+def _units(design: Design) -> tuple[float, ...]:
+    """Of alpha and nu; the denominators within and between; of coning and sculling."""
+    g, a, table = design.gyro_scale, design.accel_scale, design.table
+    return (
+        g / table.sum_denominator,
+        a / table.sum_denominator,
+        float(table.denominator),
+        float(2 * table.sum_denominator**2),
+        g * g,
+        a * g,
+    )
 
 
 def uncorrected(design: Design, block: VectorBlock) -> MajorIncrements:

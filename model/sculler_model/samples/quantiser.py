@@ -19,11 +19,11 @@ INPUT_COLUMNS = tuple(f"{sensor}_{axis}" for sensor in ("gyro", "accel") for axi
 
 _FRACTION_BITS = 42
 _HALF = 1 << (_FRACTION_BITS - 1)
-BLOCK = 1 << 19
-"""Most samples at a time: so many fractions, each below 2**42, sum to less than 2**62."""
+BLOCK = 1 << 11
+"""Samples quantised at a time: few enough for the cache."""
 
-_IN_CACHE = 1 << 12
-"""Samples at a time that a processor's cache holds with all that is made of them."""
+MOST = 1 << 19
+"""The most: so many fractions, each below 2**42, sum to less than 2**62."""
 
 
 @dataclass(frozen=True)
@@ -54,10 +54,10 @@ class Quantiser:
 
     Args:
         design: gives widths, LSBs and kind of the sensor.
-        block: samples quantised at a time, at most `BLOCK`; makes no difference to the counts.
+        block: samples quantised at a time, at most `MOST`; makes no difference to the counts.
     """
 
-    def __init__(self, design: Design, block: int = _IN_CACHE) -> None:
+    def __init__(self, design: Design, block: int = BLOCK) -> None:
         self.design = design
         gyro, accel = design.sensor.gyro, design.sensor.accel
         self._lsb = np.array([gyro.lsb] * 3 + [accel.lsb] * 3)
@@ -67,7 +67,7 @@ class Quantiser:
         self._bits = [r.bits for r in ranges]
         increments = design.sensor.kind == "increment"
         self._units = ["rad" if increments else "rad/s"] * 3 + ["m/s" if increments else "m/s²"] * 3
-        self._size = min(block, BLOCK)
+        self._size = min(block, MOST)
         self._samples = 0
         self._carry = np.zeros(6, np.int64)
         self._largest = np.zeros(6, np.int64)

@@ -4,12 +4,13 @@
 //   SCULLER_SAMPLES(X)  X(member, bits) for each of the six counts, in the log's order
 // and, where the hand-over is parallel,
 //   SCULLER_RESULTS(X)  X(member, bits) for each of the components, in the vectors' order
-//   SCULLER_LIMBS       64-bit words that a component takes in a row
 // or, where it is a stream,
 //   SCULLER_WORDS       words of a result
+//   SCULLER_COLUMN      words of each of its columns
+// and
+//   SCULLER_LIMBS       64-bit words that a component takes in a row
 // and, where the core drops results,
 //   SCULLER_DROPS
-//   SCULLER_MAJOR       words of `major` in a stream
 
 #include <algorithm>
 #include <cerrno>
@@ -19,15 +20,16 @@
 
 namespace {
 
+// A result: major, status, and of each component the limbs, low to high.
 #ifdef SCULLER_WORDS
-constexpr int64_t ROW = SCULLER_WORDS;
+constexpr int64_t COMPONENTS = SCULLER_WORDS / SCULLER_COLUMN - 2;
 constexpr int64_t SHOWN = 2;  // data, last
 #else
 #define SCULLER_ONE(member, bits) +1
 constexpr int64_t COMPONENTS = 0 SCULLER_RESULTS(SCULLER_ONE);
-constexpr int64_t ROW = 2 + COMPONENTS * SCULLER_LIMBS;  // major, status, limbs low to high
-constexpr int64_t SHOWN = ROW;
+constexpr int64_t SHOWN = 2 + COMPONENTS * SCULLER_LIMBS;
 #endif
+constexpr int64_t ROW = 2 + COMPONENTS * SCULLER_LIMBS;
 
 #ifdef SCULLER_VCD
 // Remembers why a waveform could not be written; Verilator's own would end the process.
@@ -115,9 +117,23 @@ void read_ports(const Core& core, uint64_t* shown) {
     shown[1] = core.top.result_last;
 }
 
+// Puts a word of 16 bits where it belongs in the result; a component's last one extends its sign.
+void put_word(Core& core, uint64_t data) {
+    const int64_t column = core.words / SCULLER_COLUMN, place = core.words % SCULLER_COLUMN;
+    const bool component = column >= 2;
+    const int64_t limbs = component ? SCULLER_LIMBS : 1, limb = place / 4;
+    uint64_t* const first = core.result + (component ? 2 + (column - 2) * SCULLER_LIMBS : column);
+    if (limb >= limbs) return;  // of `major` only 64 bits are kept, as of all that is not wider
+    if (place % 4 == 0) first[limb] = 0;
+    first[limb] |= data << 16 * (place % 4);
+    if (!component || place != SCULLER_COLUMN - 1) return;
+    first[limb] = sign_extended(first[limb], 16 * static_cast<int>(place % 4 + 1));
+    for (int64_t i = limb + 1; i < limbs; ++i) first[i] = first[limb] >> 63 ? ~uint64_t{0} : 0;
+}
+
 Taken take_result(Core& core) {
-    core.result[core.words++] = core.top.result_data;
-    const bool whole = core.words == ROW;
+    put_word(core, core.top.result_data);
+    const bool whole = ++core.words == SCULLER_WORDS;
     if (whole != core.top.result_last) return Taken::wrong;
     if (whole) core.words = 0;
     return whole ? Taken::whole : Taken::part;
@@ -169,11 +185,6 @@ Taken take_result(Core& core) {
 int64_t intervals(const Core& core, int64_t told) {
 #ifndef SCULLER_DROPS
     return told + 1;
-#elif defined(SCULLER_WORDS)
-    int64_t major = 0;
-    for (int word = 0; word < SCULLER_MAJOR && word < 4; ++word)
-        major |= static_cast<int64_t>(core.result[word] << 16 * word);
-    return major + 1;
 #else
     return static_cast<int64_t>(core.result[0]) + 1;
 #endif
@@ -265,6 +276,7 @@ EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* fau
     Progress p = *progress;
     Vcore& top = core->top;
     int64_t next = 0, taken = 0;
+    int64_t driven = -1;  // 2 * sample + valid of what the sample ports show
     const auto ended = [&] {
         if (taken == capacity) return true;
         if (samples) return next == samples;
@@ -276,7 +288,10 @@ EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* fau
         top.sample_valid = valid;
         top.result_ready = take;
         top.rst = rst;
-        if (next < samples) drive_sample(*core, counts + 6 * next, faults[next], valid);
+        if (next < samples && driven != 2 * next + valid) {
+            drive_sample(*core, counts + 6 * next, faults[next], valid);
+            driven = 2 * next + valid;
+        }
         core->low();
         if (shown) {
             *handshakes++ = top.sample_ready;

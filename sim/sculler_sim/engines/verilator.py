@@ -20,7 +20,7 @@ from sculler_hdl import timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import Integers, VectorBlock, from_limbs
-from sculler_model.golden import WORD_BITS, result_ports, words_per_column, words_per_result
+from sculler_model.golden import result_ports, words_per_result
 from sculler_model.outputs import replacing
 from sculler_sim.engines.verilator_build import build, limbs
 from sculler_sim.run import RESET, CheckedChunk, PortTrace, Progress, wrong_last
@@ -100,9 +100,7 @@ class _Core:
         self._timing = timing(design)
         self._stream = design.hardware.handover == "stream"
         self._columns = len(design.columns)
-        self._row = (
-            words_per_result(design) if self._stream else 2 + (self._columns - 2) * limbs(design)
-        )
+        self._row = 2 + (self._columns - 2) * limbs(design)
         # numbers that the result ports show in a clock
         self._shown = len(result_ports(design)) if self._stream else self._row
         self._capacity = _CLOCKS // design.samples_per_major + 2
@@ -199,22 +197,8 @@ class _Core:
             setattr(self._progress, name, getattr(counters, name))
 
     def _block(self, rows: NDArray[np.uint64]) -> VectorBlock:
-        if self._stream:
-            rows = self._from_words(rows)
         major, status = rows[:, :2].astype(np.int64).T
         return VectorBlock(major, status, self._components(rows))
-
-    def _from_words(self, words: NDArray[np.uint64]) -> NDArray[np.uint64]:
-        """Results as the parallel hand-over gives them, from their words."""
-        count = words_per_column(self._design)
-        columns = words.reshape(len(words), self._columns, count)
-        sign = (columns[:, :, -1] >> np.uint64(WORD_BITS - 1)) * np.uint64((1 << WORD_BITS) - 1)
-        sign[:, :2] = 0  # major and status have none
-        parts = 64 // WORD_BITS  # words in a limb
-        extended = np.concatenate([columns, *[sign[:, :, None]] * (-count % parts)], axis=2)
-        shifts = np.arange(0, 64, WORD_BITS, dtype=np.uint64)
-        limbs = (extended.reshape(len(words), self._columns, -1, parts) << shifts).sum(axis=3)
-        return np.hstack([limbs[:, :2, 0], limbs[:, 2:].reshape(len(words), -1)])
 
     def _components(self, rows: NDArray[np.uint64]) -> Integers:
         """(R, components) integers from two's-complement limbs, lowest first."""

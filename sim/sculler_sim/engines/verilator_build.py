@@ -23,12 +23,14 @@ from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
 from sculler_sim import processes
 from sculler_sim.engines import cache
 
-_VERILATOR_FLAGS = (
+VERILATOR_FLAGS = (
     "--cc -O3 --x-assign fast --x-initial unique --no-assert --no-timing --make json"
     " --prefix Vcore --Mdir model -Wno-lint -Wno-style -Wno-fatal"
 ).split()
 _FLAGS = "-std=c++17 -fPIC -fvisibility=hidden -pthread".split()
-_CORE_FLAGS = [*_FLAGS, "-O1"]
+_CORE_FLAGS = [*_FLAGS, "-O2", "-fno-tree-vectorize"]  # vectors only cost: no loop is long
+_LARGE_CORE_FLAGS = [*_FLAGS, "-O1"]
+_START_FLAGS = [*_FLAGS, "-O0"]  # of a large core what runs once
 _RUNTIME_FLAGS = [*_FLAGS, "-O1"]  # Verilator's own code, which a running model hardly calls
 
 _EXACT_ROOMS = ("algorithms", "design", "golden")  # of sculler_model
@@ -147,7 +149,14 @@ def build(design: Design, wave: Path | None = None) -> Path:
     runtime = cache.entry("verilator-runtime", ".o", *made_with, *_RUNTIME_FLAGS)
     harness = _harness(design, writer)
     library = cache.entry(
-        design.name, ".so", *made_with, *_VERILATOR_FLAGS, *_CORE_FLAGS, harness, verilog
+        design.name,
+        ".so",
+        *made_with,
+        *VERILATOR_FLAGS,
+        *_CORE_FLAGS,
+        *_LARGE_CORE_FLAGS,
+        harness,
+        verilog,
     )
     if not library.exists():
         _compile(design, writer, tools, verilog, runtime, library)
@@ -200,16 +209,17 @@ def _harness(design: Design, wave: _Wave | None) -> str:
         lines += [f'#include "{wave.header}"', f"#define SCULLER_TRACE {wave.writer}"]
         lines += ["#define SCULLER_VCD"] * (wave.writer == "VerilatedVcdC")
     if design.hardware.handover == "stream":
-        lines += [f"#define SCULLER_WORDS {words_per_result(design)}"]
-    else:
         lines += [
-            f"#define SCULLER_RESULTS(X) {_each(component_ports(design))}",
-            f"#define SCULLER_LIMBS {limbs(design)}",
+            f"#define SCULLER_WORDS {words_per_result(design)}",
+            f"#define SCULLER_COLUMN {words_per_column(design)}",
         ]
+    else:
+        lines += [f"#define SCULLER_RESULTS(X) {_each(component_ports(design))}"]
+    lines += [f"#define SCULLER_LIMBS {limbs(design)}"]
     if not design.has_initial_values:
         lines += ["#define SCULLER_RESET_FIRST"]
     if design.drops_results:
-        lines += ["#define SCULLER_DROPS", f"#define SCULLER_MAJOR {words_per_column(design)}"]
+        lines += ["#define SCULLER_DROPS"]
     code = (
         resources.files("sculler_sim")
         .joinpath("engines", "harness.cpp")
@@ -236,7 +246,7 @@ def _compile(
             (
                 [
                     *tools.verilator,
-                    *_VERILATOR_FLAGS,
+                    *VERILATOR_FLAGS,
                     *trace,
                     "--top-module",
                     design.name,
@@ -247,27 +257,55 @@ def _compile(
         )
 
         sources = json.loads((work / "model/Vcore.json").read_text(encoding="utf-8"))["sources"]
-        model = [path for kind in _MODEL_SOURCES for path in sources.get(kind, [])]
-        core = _includes(["Vcore.h", *model]) + _harness(design, wave)
-        (work / "core.cpp").write_text(core, encoding="utf-8")
+        units = _units(sources, _harness(design, wave))
+        for name, (text, _) in units.items():
+            (work / f"{name}.cpp").write_text(text, encoding="utf-8")
         (work / "runtime.cpp").write_text(_includes(sources["global"]), encoding="utf-8")
         include = ["-Imodel", f"-I{tools.root}/include", f"-I{tools.root}/include/vltstd"]
         compiler = [*tools.compiler, "-c", *include, f"-DVM_TRACE={int(wave is not None)}"]
-        jobs = [([*compiler, *_CORE_FLAGS, "core.cpp", "-o", "core.o"], "core.o")]
+        jobs = [
+            ([*compiler, *flags, f"{name}.cpp", "-o", f"{name}.o"], f"{name}.o")
+            for name, (_, flags) in units.items()
+        ]
         if not runtime.exists():
             command = [*compiler, *_RUNTIME_FLAGS, "runtime.cpp", "-o", "runtime.o"]
             jobs.append((command, "runtime.o"))
         log.run(*jobs)
-        if len(jobs) > 1:
+        if not runtime.exists():
             (work / "runtime.o").replace(runtime)
         libraries = wave.libraries if wave else ()
-        objects = ["core.o", str(runtime), *libraries]
+        objects = [*(f"{name}.o" for name in units), str(runtime), *libraries]
         link = [*tools.compiler, "-shared", "-pthread", *objects, "-o", "core.so"]
         log.run((link, "core.so"))
         (work / "core.so").replace(library)
 
 
-_MODEL_SOURCES = ("classes_fast", "classes_slow", "support_fast", "support_slow")
+_RUNS_ALWAYS = ("classes_fast", "support_fast")
+_RUNS_ONCE = ("classes_slow", "support_slow")
+_LARGE = 1 << 22  # bytes of model source
+
+
+def _units(sources: dict[str, list[str]], harness: str) -> dict[str, tuple[str, list[str]]]:
+    """What to compile, side by side: text and flags of each, by name.
+
+    A model is one text with the harness.  A large one, which would take minutes, is cut in three
+    and optimised less: what runs always in two halves, what runs once apart.
+    """
+    always, once = (
+        [path for kind in kinds for path in sources.get(kind, [])]
+        for kinds in (_RUNS_ALWAYS, _RUNS_ONCE)
+    )
+    size = {path: Path(path).stat().st_size for path in (*always, *once)}
+    if sum(size.values()) < _LARGE:
+        return {"core": (_includes(["Vcore.h", *always, *once]) + harness, _CORE_FLAGS)}
+    halves: tuple[list[str], list[str]] = [], []
+    for path in sorted(always, key=size.__getitem__, reverse=True):
+        min(halves, key=lambda half: sum(size[one] for one in half)).append(path)
+    return {
+        "core": (_includes(["Vcore.h", *halves[0]]) + harness, _LARGE_CORE_FLAGS),
+        "half": (_includes(["Vcore.h", *halves[1]]), _LARGE_CORE_FLAGS),
+        "start": (_includes(["Vcore.h", *once]), _START_FLAGS),
+    }
 
 
 def _includes(paths: list[str]) -> str:

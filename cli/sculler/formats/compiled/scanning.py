@@ -78,21 +78,21 @@ def scan_log(
     return row
 
 
-def scan_word(text: Bytes, at: int) -> tuple[Any, int]:
+def scan_word(text: Bytes, at: int) -> tuple[Any, Any]:
     """A whole number of up to 64 bits at a place, and the place after it; -1 for no such."""
     negative = text[at] == 45
-    if negative:
-        at += 1
-    begin, value = at, np.uint64(0)
+    begin = np.uint64(at) + np.uint64(negative)
+    place, value = begin, np.uint64(0)  # unsigned: an index is taken as it is
     while True:
-        figure = np.uint8(text[at] - np.uint8(48))
+        figure = np.uint8(text[place] - np.uint8(48))
         if figure > 9:
             break
         value = value * _TEN + np.uint64(figure)
-        at += 1
-    if not 1 <= at - begin <= _MOST_DIGITS or value > _GREATEST:
+        place += np.uint64(1)
+    digits = place - begin
+    if digits < np.uint64(1) or digits > np.uint64(_MOST_DIGITS) or value > _GREATEST:
         return np.int64(0), -1
-    return -np.int64(value) if negative else np.int64(value), at
+    return -np.int64(value) if negative else np.int64(value), np.int64(place)
 
 
 def scan_decimal(text: Bytes, at: int, powers: Words) -> tuple[Any, int]:

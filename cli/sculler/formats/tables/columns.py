@@ -11,8 +11,13 @@ from numpy.typing import NDArray
 Block = Mapping[str, NDArray[Any]]
 """Rows of some columns: (R,) numbers, or (R, W) int64 limbs of wide whole numbers."""
 
-BLOCK_ROWS = 1 << 15
-"""Rows read at a time."""
+BLOCK_ROWS, _BLOCK_BYTES = 1 << 16, 3 << 20
+"""Rows read at a time, at most; and bytes, about."""
+
+
+def rows_together(names: Sequence[str], most: int) -> int:
+    """How many rows of some columns to read at a time."""
+    return max(1, min(most, _BLOCK_BYTES // (8 * max(len(names), 1))))
 
 
 class Column(NamedTuple):

@@ -20,7 +20,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.lib import format as npy
 
-from sculler.formats.tables.columns import BLOCK_ROWS, Block, Column, stored
+from sculler.formats.tables.columns import BLOCK_ROWS, Block, Column, rows_together, stored
 from sculler_model.errors import InputError
 
 _IN_MEMORY = 1 << 20  # bytes of a column, before it goes to a file
@@ -92,8 +92,9 @@ class NpzReader:
             for name in names:
                 file = stack.enter_context(self._archive.open(self._files[name]))
                 files[name] = (file, *self._header(name, file))
-            for first in range(0, length, BLOCK_ROWS):
-                rows = min(BLOCK_ROWS, length - first)
+            together = rows_together(names, BLOCK_ROWS)
+            for first in range(0, length, together):
+                rows = min(together, length - first)
                 yield {name: _rows(*each, rows) for name, each in files.items()}
             for file, *_ in files.values():
                 if file.read(1):  # in the end the archive holds the sum of the bytes against ours

@@ -16,7 +16,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.formats.tables.columns import BLOCK_ROWS, Block, Column, limbs_of, stored
+from sculler.formats.tables.columns import (
+    BLOCK_ROWS,
+    Block,
+    Column,
+    limbs_of,
+    rows_together,
+    stored,
+)
 from sculler_model.errors import InputError
 
 _GROUP_BYTES = 4 << 20  # of a row group, before it is coded
@@ -71,11 +78,11 @@ class ParquetReader:
 
     def blocks(self, names: Sequence[str]) -> Iterator[Block]:
         """Columns, some rows at a time."""
-        first = 0
+        first, together = 0, rows_together(names, BLOCK_ROWS)
         with _damage_told(self._path):
             try:
                 for batch in self._file.iter_batches(
-                    BLOCK_ROWS, columns=list(names), use_threads=False
+                    together, columns=list(names), use_threads=False
                 ):
                     if batch.num_rows:
                         yield {name: self._numbers(batch, name, first) for name in names}
@@ -94,13 +101,13 @@ class ParquetReader:
             raise InputError(f"{self._path}: row {row + 1}: {name} is empty, give a number")
         kind = array.type
         if pa.types.is_decimal(kind) and kind.scale == 0 and kind.byte_width in (16, 32):
-            return _values(array, np.int64, kind.byte_width // 8)
+            return values(array, np.int64, kind.byte_width // 8)
         if pa.types.is_fixed_size_list(kind) and pa.types.is_int64(kind.value_type):
             return self._listed(array, name, first)
         if pa.types.is_boolean(kind):
-            return _values(array.cast(pa.uint8()), np.bool_)
+            return values(array.cast(pa.uint8()), np.bool_)
         if pa.types.is_integer(kind) or pa.types.is_floating(kind):
-            return _values(array, _FLOATS.get(str(kind), str(kind)))
+            return values(array)
         raise InputError(f"{self._path}: {name} is of type {kind}, give numbers")
 
     def _listed(self, array: Any, name: str, first: int) -> NDArray[np.int64]:
@@ -109,15 +116,23 @@ class ParquetReader:
             raise InputError(
                 f"{self._path}: a limb of {name} after row {first} is empty, give int64"
             )
-        return _values(limbs, np.int64).reshape(len(array), array.type.list_size)
+        return values(limbs, np.int64).reshape(len(array), array.type.list_size)
 
     def close(self) -> None:
         """Close the file."""
         self._file.close()
 
 
-def _values(array: Any, kind: Any, width: int = 1) -> NDArray[Any]:
-    """The memory of an array without empty cells; its `to_numpy` loads pandas where it is there."""
+def values(array: Any, kind: Any = None, width: int = 1) -> NDArray[Any]:
+    """The memory of an Arrow array without empty cells, whose `to_numpy` may load pandas.
+
+    Args:
+        array: of numbers.
+        kind: numpy's type of a number; None for the array's own.
+        width: numbers in a cell.
+    """
+    if kind is None:
+        kind = _FLOATS.get(str(array.type), str(array.type))
     cell = width * np.dtype(kind).itemsize
     numbers = np.frombuffer(
         array.buffers()[1], kind, count=width * len(array), offset=array.offset * cell

@@ -1,0 +1,340 @@
+"""`FastModel`: the twin of `GoldenModel` for arrays, exact for every legal design.
+
+It takes arrays of counts of any length, checks them, keeps what later results need, shares blocks
+of whole major intervals out to threads and gives them their status.  A block is computed by
+`kernel`, compiled by Numba, where that is installed and there are samples enough to be worth its
+loading; else by `arithmetic` in numpy: the same integers, more slowly.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache, partial
+from itertools import pairwise
+from queue import SimpleQueue
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sculler_model.design import STATUS_FAULT, STATUS_RAIL, STATUS_SHORT_HISTORY, Design
+from sculler_model.errors import InputError
+from sculler_model.fast.arithmetic import BLOCK, FEW_MINORS, Arithmetic, Counts
+from sculler_model.fast.blocks import VectorBlock
+from sculler_model.fast.wide import Integers, from_limbs, limbs_of
+from sculler_model.golden import check_widths
+
+if TYPE_CHECKING:
+    from sculler_model.fast.kernel import Kernel
+
+THREADS = min(os.cpu_count() or 1, 4)
+"""Blocks computed at the same time."""
+
+WORTH_COMPILING = 2_000_000
+"""Samples that numpy takes as long for as Numba takes to be loaded, for designs of some widths."""
+
+ROW = 256
+"""Samples side by side where extremes are sought: numpy is quick along long rows."""
+
+
+class _Rows:
+    """Rows of counts, those that were kept first."""
+
+    def __init__(self, kept: NDArray[np.int64], counts: Counts) -> None:
+        self.kept, self.counts = kept, counts
+
+    def __len__(self) -> int:
+        return len(self.kept) + len(self.counts)
+
+    def __getitem__(self, part: slice) -> Counts:
+        """Rows start..stop-1, both told; a view where none of them was kept."""
+        first, last = (max(edge - len(self.kept), 0) for edge in (part.start, part.stop))
+        new = self.counts[first:last]
+        if part.start >= len(self.kept):
+            return new
+        return np.concatenate([self.kept[part], new], dtype=np.int64)
+
+
+class FastModel:
+    """Exact coning/sculling accumulators of one design, fed with arrays.
+
+    Chunks of any length give the results that `GoldenModel` gives for the same samples.  Memory
+    is bounded by the chunk, its results and one major interval.
+
+    Args:
+        design: the design.
+        block: samples computed at a time; makes no difference to the results.
+        few_minors: see `Arithmetic`; makes none either.
+        threads: blocks computed at the same time; `THREADS` if left out.
+        compiled: whether to go through Numba; if left out, where it is installed and there have
+            been `WORTH_COMPILING` samples.
+        expected: samples that will come, if known; so many need not be waited for.
+
+    Attributes:
+        design: the design.
+        samples: samples accepted since reset.
+
+    Raises:
+        InputError: `compiled` is asked for without Numba.
+    """
+
+    def __init__(
+        self,
+        design: Design,
+        *,
+        block: int = BLOCK,
+        few_minors: int = FEW_MINORS,
+        threads: int = THREADS,
+        compiled: bool | None = None,
+        expected: int = 0,
+    ) -> None:
+        self.design = design
+        self._block = max(block // design.samples_per_major, 1)
+        self._arithmetics = [Arithmetic(design, block, few_minors) for _ in range(threads)]
+        self._arithmetic = self._arithmetics[0]
+        self._threads = threads
+        self._compiled = compiled
+        self._kernel: Kernel | None = None
+        self._taken = 0  # samples, whether or not reset
+        self._expected = expected
+        if compiled:
+            kernel = kernel_class()
+            if kernel is None:
+                raise InputError("the compiled model needs Numba: install sculler[fast]")
+            self._kernel = kernel(design)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything: the next sample is the first, the next major interval is 0."""
+        self.samples = 0
+        # What later results still need: the history, then the incomplete major interval.
+        self._kept: list[Counts] = [np.zeros((self._arithmetic.history, 6), np.int64)]
+        self._faulty: NDArray[np.int64] = np.zeros(0, np.int64)  # samples that carried `fault`
+
+    @property
+    def leftover(self) -> int:
+        """Samples in the incomplete major interval so far."""
+        return self.samples % self.design.samples_per_major
+
+    @property
+    def lacks_numba(self) -> bool:
+        """Whether there were samples enough to be compiled for, but Numba is missing."""
+        return self._taken >= WORTH_COMPILING and kernel_class() is None
+
+    def feed(self, counts: ArrayLike, faults: ArrayLike | None = None) -> VectorBlock:
+        """Take consecutive samples and return the major intervals they complete.
+
+        Args:
+            counts: (N, 6) integers: gyro x, y, z, accelerometer x, y, z.
+            faults: (N,) integers or booleans, not 0 where the sample carried `fault`.
+
+        Returns:
+            Their results, in order; none if no major interval has ended.
+
+        Raises:
+            InputError: the arrays are not of this form, or a count does not fit the sensor's
+                width.  Then nothing of them is taken.
+        """
+        counts = _as_counts(counts)
+        faulty = self.samples + np.flatnonzero(_as_faults(faults, len(counts)))
+        faulty = np.concatenate([self._faulty, faulty])
+        span = self.design.samples_per_major
+        first_major, majors = self.samples // span, (self.leftover + len(counts)) // span
+        if majors == 0:
+            self._check_widths(counts, self.samples)
+            self._kept.append(counts.copy())
+            self._faulty = faulty
+            self.samples += len(counts)
+            return VectorBlock.from_rows([], self.design)
+
+        rows = _Rows(np.concatenate(self._kept, dtype=np.int64), counts)
+        components, rails = self._computed(rows, majors)
+        history = self._arithmetic.history
+        self._check_rows(rows, majors * span + history, len(rows))
+        still_needed = rows[majors * span : len(rows)].astype(np.int64)
+
+        major = np.arange(first_major, first_major + majors, dtype=np.int64)
+        status = np.where(major < self.design.short_majors, STATUS_SHORT_HISTORY, 0)
+        status[rails] |= STATUS_RAIL
+        complete = faulty < (first_major + majors) * span
+        status[faulty[complete] // span - first_major] |= STATUS_FAULT
+
+        self._kept, self._faulty = [still_needed], faulty[~complete]
+        self.samples += len(counts)
+        self._taken += len(counts)
+        return VectorBlock(major, status, components)
+
+    def _computed(self, rows: _Rows, majors: int) -> tuple[Integers, NDArray[np.bool_]]:
+        """Components of major intervals, and whether each has a count at an end of its width.
+
+        Args:
+            rows: the history and the samples after it.
+            majors: how many intervals.
+        """
+        span, limbs = self.design.samples_per_major, self._arithmetic.limbs
+        # the kernel writes nothing between minor intervals where there is but one
+        memory = np.zeros if self.design.algorithm.minors == 1 else np.empty
+        results = memory((majors, len(self.design.components), limbs), np.int64)
+        rails = np.empty(majors, np.bool_)
+        kernel = self._kernel_if_worth(rows)
+        if kernel is None:
+            self._by_arithmetic(rows, results, rails)
+        else:
+            # first what reaches into the rows that were kept, which must be copied
+            head = min(-(-len(rows.kept) // span), majors)
+            edges = sorted({0, *range(head, majors, self._block), majors})
+            _share(partial(self._by_kernel, kernel, rows, results, rails), edges, self._threads)
+        return from_limbs(results), rails
+
+    def _by_kernel(
+        self,
+        kernel: Kernel,
+        rows: _Rows,
+        results: NDArray[np.int64],
+        rails: NDArray[np.bool_],
+        first: int,
+        last: int,
+    ) -> None:
+        """Fill in the results of some major intervals."""
+        span, history = self.design.samples_per_major, self._arithmetic.history
+        begin, end = first * span, last * span + history
+        if rows.counts.dtype.kind == "u":  # the greatest would wrap
+            self._check_rows(rows, begin, end)
+        narrow = np.can_cast(rows.counts.dtype, np.int32)
+        block = rows[begin:end].astype(np.int32 if narrow else np.int64, copy=False)
+        block = np.require(block, None, ["C", "A"])
+        done = first + kernel(block, history, results[first:last], rails[first:last])
+        if done < last:
+            self._check_rows(rows, done * span + history, (done + 1) * span + history)
+
+    def _by_arithmetic(
+        self, rows: _Rows, results: NDArray[np.int64], rails: NDArray[np.bool_]
+    ) -> None:
+        """Fill in all results."""
+        span, history = self.design.samples_per_major, self._arithmetic.history
+        idle = SimpleQueue[Arithmetic]()
+        for arithmetic in self._arithmetics:
+            idle.put(arithmetic)
+
+        def compute(first: int, last: int) -> None:
+            begin, end = first * span, last * span + history
+            self._check_rows(rows, begin, end)
+            block = rows[begin:end]
+            arithmetic = idle.get()
+            try:
+                results[first:last] = limbs_of(arithmetic.components(block))
+            finally:
+                idle.put(arithmetic)
+            rails[first:last] = self._at_rail(block[history:])
+
+        majors = len(results)
+        _share(compute, [*range(0, majors, self._arithmetic.majors), majors], self._threads)
+
+    def _kernel_if_worth(self, rows: _Rows) -> Kernel | None:
+        """The kernel, if Numba is there and with these samples there are enough."""
+        worth = max(self._taken + len(rows.counts), self._expected) >= WORTH_COMPILING
+        if self._kernel is None and self._compiled is None and worth:
+            kernel = kernel_class()
+            self._kernel = None if kernel is None else kernel(self.design)
+        return self._kernel
+
+    def _check_rows(self, rows: _Rows, start: int, stop: int) -> None:
+        """See that rows start..stop-1 fit their widths; what was kept has been seen to."""
+        first = max(start - len(rows.kept), 0)
+        new = rows.counts[first : max(stop - len(rows.kept), 0)]
+        self._check_widths(new, self.samples + first)
+
+    def _check_widths(self, counts: Counts, first: int) -> None:
+        """See that all counts, the first of which belong to sample `first`, fit the sensors."""
+        words = self.design.words
+        narrower = min(words.gyro, words.accel, key=lambda allowed: allowed.hi)
+        if len(counts) == 0 or (int(counts.min()) in narrower and int(counts.max()) in narrower):
+            return
+        try:
+            for extreme in (np.minimum, np.maximum):
+                check_widths(words, first, _column_extremes(counts, extreme))
+        except InputError:
+            for t, sample in enumerate(counts.tolist(), start=first):
+                check_widths(words, t, sample)
+
+    def _at_rail(self, rows: Counts) -> NDArray[np.bool_]:
+        """For each of whole major intervals, whether a count of it is at an end of its width."""
+        words, span = self.design.words, self.design.samples_per_major
+        found = np.zeros(len(rows), np.bool_)
+        for extreme, end in ((np.minimum, "lo"), (np.maximum, "hi")):
+            for column, count in enumerate(_column_extremes(rows, extreme)):
+                if count == getattr(words.gyro if column < 3 else words.accel, end):
+                    found |= rows[:, column] == count
+        each: NDArray[np.bool_] = np.logical_or.reduce(found.reshape(-1, span), axis=1)
+        return each
+
+
+@cache
+def kernel_class() -> type[Kernel] | None:
+    """What makes a compiled kernel of a design; None where Numba is missing."""
+    try:
+        import numba  # noqa: F401
+    except ImportError:
+        return None
+    from sculler_model.fast.kernel import Kernel
+
+    return Kernel
+
+
+def _share(compute: Callable[[int, int], None], edges: Sequence[int], threads: int) -> None:
+    """Compute what lies between the edges, on several threads."""
+    if len(edges) == 2 or threads == 1:
+        for edge in pairwise(edges):
+            compute(*edge)
+        return
+    # numpy and the kernel let go of the interpreter, so threads share the blocks out; `map` gives
+    # their ends in order, and so the first block's fault
+    with ThreadPoolExecutor(threads) as pool:
+        for _ in pool.map(lambda edge: compute(*edge), pairwise(edges)):
+            pass
+
+
+def run_fast(design: Design, counts: ArrayLike, faults: ArrayLike | None = None) -> VectorBlock:
+    """All complete major intervals of a sequence of samples, from reset.
+
+    Args:
+        design: the design.
+        counts, faults: as for `FastModel.feed`.
+
+    Raises:
+        InputError: as `FastModel.feed`.
+    """
+    return FastModel(design).feed(counts, faults)
+
+
+def _column_extremes(counts: Counts, extreme: np.ufunc) -> list[int]:
+    """Least or greatest count of each column; there must be a sample."""
+    whole = len(counts) // ROW * ROW
+    rows = counts[:whole].reshape(-1, ROW * 6)
+    parts = [counts[whole:], *([extreme.reduce(rows).reshape(ROW, 6)] if whole else [])]
+    columns: list[int] = extreme.reduce(np.concatenate(parts)).tolist()
+    return columns
+
+
+def _as_counts(counts: ArrayLike) -> Counts:
+    array = np.asarray(counts)
+    if array.ndim != 2 or array.shape[1] != 6 or array.dtype.kind not in "iu":
+        raise InputError(
+            f"counts: an array of shape {array.shape} and type {array.dtype} is not allowed,"
+            " give integers of shape (N, 6)"
+        )
+    return array
+
+
+def _as_faults(faults: ArrayLike | None, samples: int) -> NDArray[Any]:
+    if faults is None:
+        return np.zeros(0, np.bool_)
+    array = np.asarray(faults)
+    if array.shape != (samples,) or array.dtype.kind not in "iub":
+        raise InputError(
+            f"faults: an array of shape {array.shape} and type {array.dtype} is not allowed,"
+            f" give {samples} integers or booleans, one per sample"
+        )
+    return array
