@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ import pytest
 from sculler_model.design import Design
 from sculler_model.fast import FastModel, WideIntegers, limbs_of
 from sculler_model.host import scaling
-from sculler_model.host.compiled import nearest_float
+from sculler_model.host.compiled import compiled_scale, nearest_float
+from sculler_model.navigation import compiled_run
 from strategies import DESIGNS, random_counts
 
 pytest.importorskip("numba")
@@ -33,6 +35,13 @@ def test_a_wide_integer_becomes_the_nearest_float() -> None:
         found = [float(nearest_float(limbs)) for limbs in wide]
     assert found == [float(number) for number in numbers]
     assert all(abs(Fraction(f) - n) * 2**53 <= abs(n) for f, n in zip(found, numbers, strict=True))
+
+
+def test_what_is_kept_on_disk_is_found_again() -> None:
+    """Numba's key holds what a closure has: compiled code there differs in every process."""
+    for compiled in (compiled_scale(), compiled_run()):
+        function: Any = compiled
+        assert function.py_func.__closure__ is None
 
 
 @pytest.mark.parametrize("name", ["stim300_4x5", "taylor_8p8", "rate_4p1", "smallest"])

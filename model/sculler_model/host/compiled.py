@@ -35,24 +35,29 @@ def compiled_scale() -> Scale | None:
     """
     try:
         from numba import njit
+        from numba.extending import register_jitable
     except ImportError:
         return None
+    # not as compiled code in a closure: such a function is another one in every process, and what
+    # was kept on disk of `scale` would never be found again
+    register_jitable(nearest_float)
 
     def scale(limbs: Any, units: Any, phi: Array, alpha: Array, dv_sf: Array) -> NDArray[np.bool_]:
         alpha_unit, nu_unit, within, between, coning, sculling = units
         left = np.zeros(len(limbs), np.bool_)
         for row in range(len(limbs)):
             vectors = limbs[row]
-            ax = nearest(vectors[0]) * alpha_unit
-            ay = nearest(vectors[1]) * alpha_unit
-            az = nearest(vectors[2]) * alpha_unit
-            ux = nearest(vectors[9]) * nu_unit
-            uy = nearest(vectors[10]) * nu_unit
-            uz = nearest(vectors[11]) * nu_unit
+            ax = nearest_float(vectors[0]) * alpha_unit
+            ay = nearest_float(vectors[1]) * alpha_unit
+            az = nearest_float(vectors[2]) * alpha_unit
+            ux = nearest_float(vectors[9]) * nu_unit
+            uy = nearest_float(vectors[10]) * nu_unit
+            uz = nearest_float(vectors[11]) * nu_unit
             alpha[row, 0], alpha[row, 1], alpha[row, 2] = ax, ay, az
             for axis in range(3):
                 correction = (
-                    nearest(vectors[3 + axis]) / within + nearest(vectors[6 + axis]) / between
+                    nearest_float(vectors[3 + axis]) / within
+                    + nearest_float(vectors[6 + axis]) / between
                 )
                 phi[row, axis] = alpha[row, axis] + coning * correction
             angle = np.sqrt(ax * ax + ay * ay + az * az)
@@ -71,12 +76,12 @@ def compiled_scale() -> Scale | None:
             dv_sf[row, 2] = uz + (cosine * fz + sine * gz)
             for axis in range(3):
                 correction = (
-                    nearest(vectors[12 + axis]) / within + nearest(vectors[15 + axis]) / between
+                    nearest_float(vectors[12 + axis]) / within
+                    + nearest_float(vectors[15 + axis]) / between
                 )
                 dv_sf[row, axis] = dv_sf[row, axis] + sculling * correction
         return left
 
-    nearest = njit(inline="always")(nearest_float)
     try:
         return njit(nogil=True, cache=True)(scale)
     except RuntimeError:  # there is nowhere to keep it

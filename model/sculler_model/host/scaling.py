@@ -27,7 +27,10 @@ from sculler_model.host.third_order import ThirdOrder
 Array = NDArray[np.float64]
 
 WORTH_COMPILING = 500_000
-"""Intervals that numpy takes as long for as Numba takes to be loaded."""
+"""Intervals of a block that numpy takes as long for as Numba takes to be loaded."""
+
+WORTH_WHEN_LOADED = 200_000
+"""Where Numba is in use already, as its code takes; the bursts of a live host must not wait."""
 
 PART = 8192
 """Intervals that numpy scales at a time: few enough for the cache."""
@@ -57,7 +60,7 @@ def major_increments(
     """
     if design.high_resolution:
         increments = _with_displacement(design, block)
-    elif len(block) >= WORTH_COMPILING or "numba" in sys.modules:
+    elif len(block) >= (WORTH_WHEN_LOADED if "numba" in sys.modules else WORTH_COMPILING):
         increments = _compiled(design, block)
     else:
         increments = _scaled(design, block)
