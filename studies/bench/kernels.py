@@ -18,7 +18,7 @@ from sculler_model.algorithms import MAX_SAMPLES
 from sculler_model.design import PRESETS, Design
 from sculler_model.errors import InputError
 from sculler_model.fast import FastModel, component_limbs, limbs_of
-from sculler_model.host import major_increments
+from sculler_model.host import increments_of
 from studies.bench.contest import Contest, compiled
 
 SAMPLES = 1_000_000
@@ -151,7 +151,7 @@ def _against_python_ins(samples: int) -> Contest:
 
     def ours() -> Any:
         model.reset()
-        return major_increments(design, model.feed(counts))
+        return increments_of(model, counts)
 
     name, against = "counts to φ and ΔV, n = p = M = 1", "python-ins, from increments in SI"
     try:
