@@ -72,7 +72,8 @@ def _import(packages: Iterable[str]) -> None:
         module = import_module(package)
         for found in walk_packages(module.__path__, f"{package}."):
             if not found.name.endswith(("__main__", "apart_child")):
-                import_module(found.name)
+                with suppress(ModuleNotFoundError):  # a module that needs an extra
+                    import_module(found.name)
 
 
 def _serve(address: str) -> None:

@@ -18,7 +18,7 @@ from sculler import terminal
 from sculler.words import three_digits
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from studies.bench import analyses, files, kernels, navigators, rtl
+from studies.bench import analyses, files, kernels, navigators, rtl, runs
 from studies.bench.contest import Contest, hold
 from studies.bench.tasks import measure, tasks
 
@@ -26,7 +26,9 @@ SUBJECTS: dict[str, Callable[[Path], list[Contest]]] = {
     "analyses": analyses.contests,
     "files": files.contests,
     "kernels": kernels.contests,
+    "navigators": navigators.contests,
     "rtl": rtl.contests,
+    "runs": runs.contests,
 }
 """Contests by subject, each made from a folder for its files."""
 

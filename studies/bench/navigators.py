@@ -8,10 +8,13 @@ in the same run and taking turns: how fast they are, and how far from the truth 
 from __future__ import annotations
 
 import statistics
+import subprocess
+import sys
 import time
 import warnings
 from collections.abc import Callable, Mapping
 from math import radians
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,6 +31,8 @@ from sculler_model.navigation import (
     exact_increments,
     navigation_errors,
 )
+from studies.bench import before
+from studies.bench.contest import Contest, Run
 
 Array = NDArray[np.float64]
 
@@ -120,6 +125,10 @@ def _one_by_one(
     pairs = list(zip(few.phi.tolist(), few.dv_sf.tolist(), strict=True))
     taken = {}
     for name, one_by_one in (
+        (
+            "wander azimuth, one compiled update at a time",
+            Navigator(start, interval, compiled=True),
+        ),
         ("wander azimuth, one update at a time", Navigator(start, interval)),
         ("geographic, one update at a time", GeographicNavigator(start, interval)),
     ):
@@ -128,6 +137,94 @@ def _one_by_one(
             one_by_one.update(tuple(phi), tuple(dv_sf))
         taken[name] = [(time.perf_counter() - begin) * len(increments) / len(pairs)]
     return taken
+
+
+_UPDATES = 20_000
+"""One at a time, in a run."""
+
+_JOB = """
+import sys
+from sculler_model.motion import turn_motion
+from sculler_model.navigation import Navigator, exact_increments
+import numpy as np
+turn = turn_motion()
+found = exact_increments(turn, {updates}, 0.01)
+pairs = [(tuple(a), tuple(b)) for a, b in zip(found.phi.tolist(), found.dv_sf.tolist())]
+start = turn.state(np.zeros(1)).state(0)
+for line in sys.stdin:
+    navigator = Navigator(start, 0.01{options})
+    for phi, dv_sf in pairs:
+        navigator.update(phi, dv_sf)
+    print("done", flush=True)
+"""
+"""Makes them whenever it is told."""
+
+
+class _Updating:
+    """Updates one at a time, of a tree's navigator."""
+
+    def __init__(self, tree: Path, options: str = "") -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", _JOB.format(updates=_UPDATES, options=options)],
+            env=before.environment(tree),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def __call__(self) -> None:
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        print("go", file=self._process.stdin, flush=True)
+        if self._process.stdout.readline() != "done\n":
+            raise RuntimeError("updates one at a time: the process failed")
+
+    def __del__(self) -> None:
+        self._process.communicate()  # its input's end is its own
+
+
+def contests(folder: Path) -> list[Contest]:
+    """Whole arrays against python-ins, single updates against an earlier commit."""
+    increments = exact_increments(FLIGHT, _UPDATES * 5, 0.01)
+    times, start = 0.01 * np.arange(1.0, len(increments) + 1), FLIGHT.state(np.zeros(1)).state(0)
+    integration: Run | None = None
+    absent = earlier_absent = None
+    try:
+        integration = _python_ins().integration(start, times, 0.01, increments)
+    except InputError as error:
+        absent = str(error)
+    earlier: Run | None = None
+    try:
+        earlier = _Updating(before.tree(folder))
+    except InputError as error:
+        earlier_absent = str(error)
+
+    def run() -> NavHistory:
+        return Navigator(start, 0.01).run(increments, compiled=True)
+
+    updating = _Updating(before.REPOSITORY, ", compiled=True")
+    return [
+        Contest(
+            "Navigator.run",
+            "python-ins Integrator",
+            len(increments),
+            "updates",
+            run,
+            integration,
+            6.0,
+            absent,
+        ),
+        Contest(
+            "Navigator.update, compiled",
+            before.BEFORE,
+            _UPDATES,
+            "updates",
+            updating,
+            earlier,
+            3.2,  # 12.8 us of an update before, 4 us now
+            earlier_absent,
+        ),
+    ]
 
 
 class _PythonIns(NamedTuple):

@@ -11,6 +11,7 @@ import sculler
 from sculler.library.navigating import Begin
 from sculler_model.design import STATUS_FAULT, STATUS_LOST
 from sculler_model.golden import to_words
+from sculler_model.navigation import NAVIGATION_GRADE, compiled_run
 
 DESIGN = sculler.Design.preset("stim300")
 BEGIN: Begin = {"lat": 48.0, "lon": 11.0, "height": 500.0, "vn": 30.0}
@@ -234,6 +235,21 @@ def test_nothing_is_compiled_in_flight(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(live.feed(_log(0.1).counts)) == 11
 
 
+def test_compiled_code_is_loaded_before_the_first_sample() -> None:
+    pytest.importorskip("numba")
+    live = sculler.LiveNavigator(DESIGN, **BEGIN, compiled=True)
+    run: Any = compiled_run()
+    loaded = list(run.signatures)
+    counts = _log(0.5).counts
+    found = [live.feed(counts[:333]), *map(live.feed, counts[333:400]), live.feed(counts[400:])]
+    assert run.signatures == loaded
+    states = sculler.NavHistory.concatenate(found)
+    plain = sculler.LiveNavigator(DESIGN, **BEGIN).feed(counts)
+    assert np.allclose(states.to_numpy(), plain.to_numpy(), rtol=1e-14, atol=1e-13)
+    with pytest.raises(sculler.InputError, match="compiled is for the wander azimuth"):
+        sculler.LiveNavigator(DESIGN, **BEGIN, compiled=True, mechanisation="geographic")
+
+
 def test_the_clock_does_not_drift() -> None:
     # as after a day of samples one by one
     live = sculler.LiveNavigator(DESIGN, **BEGIN)
@@ -258,6 +274,8 @@ def test_what_is_at_fault_is_refused_in_a_line_and_not_taken() -> None:
         sculler.LiveNavigator(DESIGN, lat=1.0, lon=2.0)
     with pytest.raises(sculler.InputError, match="heading and align contradict"):
         sculler.LiveNavigator(DESIGN, **BEGIN, heading=3.0, align=2.0)
+    with pytest.raises(sculler.InputError, match="noise is for align, give that too"):
+        sculler.LiveNavigator(DESIGN, **BEGIN, noise=NAVIGATION_GRADE)
     with pytest.raises(TypeError, match="unexpected keyword 'latitude'"):
         sculler.LiveNavigator(DESIGN, **BEGIN, latitude=3.0)  # type: ignore[call-arg]
     with pytest.raises(sculler.InputError, match="seconds: -1 is not allowed"):

@@ -159,6 +159,20 @@ def test_a_height_that_runs_away_is_told_by_compiled_updates() -> None:
 
 
 @needs_numba
+def test_arrays_of_any_kind_take_the_same_code(increments: MajorIncrements) -> None:
+    """Numba compiles anew for arrays that may not be written to or lie otherwise in memory."""
+    whole = Navigator(START, 0.01).run(increments, compiled=True)
+    run: Any = compiled_run()
+    loaded = list(run.signatures)
+    kept = np.asfortranarray(increments.phi)
+    kept.flags.writeable = False
+    other = replace(increments, phi=kept, dv_sf=increments.dv_sf.astype(object))
+    found = Navigator(START, 0.01).run(other, compiled=True)
+    assert run.signatures == loaded
+    assert np.array_equal(found.to_numpy(), whole.to_numpy())
+
+
+@needs_numba
 def test_long_runs_are_compiled_by_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
     """From so many intervals on, whether they come at once or in blocks."""
     asked = []

@@ -96,7 +96,9 @@ class Oddities:
         count = len(self._sizes)
         padded = np.pad(self._sizes, ((NEIGHBOURS, NEIGHBOURS), (0, 0)))
         places = [place for place in range(2 * NEIGHBOURS + 1) if place != NEIGHBOURS]
-        rest = np.maximum.reduce([padded[place : place + count] for place in places])
+        rest = padded[places[0] : places[0] + count].copy()
+        for place in places[1:]:
+            np.maximum(rest, padded[place : place + count], out=rest)
         by_axis = self._sizes / np.maximum(rest, self._lsb)
         ratios = by_axis.reshape(-1, 2, 3).max(axis=2)
         for k, spikes in enumerate(self._spikes):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -14,19 +14,15 @@ from sculler.library.counts import CountsLike, as_marks, as_times, whole
 from sculler.library.logs import Log
 from sculler.library.models import FastModel, with_ends
 from sculler.library.navigating import Begin, make_plan, require_place
-from sculler.runs.navigation import Carrier, NavigationRun
+from sculler.runs.navigation import NavigationRun
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
 from sculler_model.golden import WORD_BITS, from_words, words_per_column, words_per_result
-from sculler_model.host import MajorIncrements
 from sculler_model.navigation import (
     Alignment,
     FineAlignment,
-    Gravity,
-    Mechanisation,
     NavHistory,
-    Navigator,
     NavState,
 )
 from sculler_model.samples import interval_end, interval_ends, sample_stamp
@@ -57,11 +53,13 @@ class LiveNavigator:
     Args:
         design: the sensor and the algorithm.
         sequence_bits: width of the counter given to `feed`, which wraps there.
+        compiled: navigate through Numba, which is loaded (the very first time compiled) here, so
+            that nothing stops in flight; else in Python, which is fast enough for one vehicle.
         begin: where the run begins and what carries it, the keywords of `navigate`: lat, lon
             (degrees), height (m), heading and others (degrees), vn, ve, vd (m/s), align (s), axes.
 
     Raises:
-        InputError: an argument has a fault or the place is missing.
+        InputError: an argument has a fault, the place is missing, or Numba where it is asked for.
 
     Examples:
         >>> import sculler
@@ -73,13 +71,21 @@ class LiveNavigator:
         (13, '0.48', [])
     """
 
-    def __init__(self, design: Design, *, sequence_bits: int = 32, **begin: Unpack[Begin]) -> None:
+    def __init__(
+        self,
+        design: Design,
+        *,
+        sequence_bits: int = 32,
+        compiled: bool = False,
+        **begin: Unpack[Begin],
+    ) -> None:
         require_place(begin)
         plan = make_plan(design, "live", begin)
-        carrier = _Interpreted(
-            plan.carrier.mechanisation, plan.carrier.position_every, plan.carrier.height_damping
-        )
+        carrier = replace(plan.carrier, compiled=compiled)
         plan = replace(plan, carrier=carrier, split=True, realign=False)
+        if compiled:  # loaded here and now
+            anywhere = plan.given.state(0.0, None)
+            carrier.begin(anywhere, design.major_interval, anywhere.h, plan.gravity)
         self.design = design
         self._new: list[NavHistory] = []
         self._run = NavigationRun(plan, self._new.append)
@@ -333,28 +339,3 @@ class LiveNavigator:
                     np.array([self._end]),
                 )
             )
-
-
-@dataclass(frozen=True)
-class _Interpreted(Carrier):
-    """A carrier that never stops to compile in flight."""
-
-    def begin(
-        self, start: NavState, interval: float, reference_height: float, gravity: Gravity
-    ) -> Mechanisation:
-        carried = super().begin(start, interval, reference_height, gravity)
-        return _Plain(carried) if isinstance(carried, Navigator) else carried
-
-
-class _Plain:
-    """A `Navigator` in plain Python."""
-
-    def __init__(self, navigator: Navigator) -> None:
-        self._navigator = navigator
-
-    @property
-    def state(self) -> NavState:
-        return self._navigator.state
-
-    def run(self, increments: MajorIncrements) -> NavHistory:
-        return self._navigator.run(increments, compiled=False)

@@ -71,24 +71,24 @@ class Module:
         """Bits of each wire."""
         return {name: wire.width for name, wire in self.wires.items()}
 
-    def bits(self) -> Iterator[Bit]:
-        """Every bit at a cell or in a connection."""
-        widths = self.widths
+    def signals(self) -> Iterator[str]:
+        """Every signal expression at a cell or in a connection."""
         for cell in self.cells.values():
-            for signal in cell.connections.values():
-                yield from bits_in(signal, widths)
+            yield from cell.connections.values()
         for pair in self.connections:
-            for signal in pair:
-                yield from bits_in(signal, widths)
+            yield from pair
 
-    def replace_bits(self, change: Callable[[Bit], Bit], wires: dict[str, Wire]) -> None:
+    def replace_bits(self, changes: Mapping[Bit, Bit], wires: dict[str, Wire]) -> None:
         """Put others in the place of bits, and `wires`, which have them, in the place of wires."""
         before = self.widths
         self.wires = wires
         after = self.widths
+        names = {name for name, _ in changes}
 
         def changed(signal: str) -> str:
-            return of_bits([change(bit) for bit in bits_in(signal, before)], after)
+            if names.isdisjoint(names_in(signal)):
+                return signal
+            return of_bits([changes.get(bit, bit) for bit in bits_in(signal, before)], after)
 
         for cell in self.cells.values():
             cell.connections = {port: changed(each) for port, each in cell.connections.items()}
@@ -240,6 +240,11 @@ def _joined(lowest_first: list[str]) -> str:
     if len(lowest_first) == 1:
         return lowest_first[0]
     return f"{{ {' '.join(reversed(lowest_first))} }}"
+
+
+def names_in(signal: str) -> list[str]:
+    """Wires that a signal expression is made of."""
+    return _NAME.findall(signal)
 
 
 def renamed(signal: str, name_of: Callable[[str], str]) -> str:

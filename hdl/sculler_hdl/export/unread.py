@@ -5,10 +5,10 @@ Linters of Verilog ask for that, and in a flat module Yosys would do it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from sculler_hdl.export.rtlil_text import Bit, Cell, Module, Wire, bits_in, of_bits
+from sculler_hdl.export.rtlil_text import Bit, Cell, Module, Wire, bits_in, of_bits, pieces
 
 _RESULTS = frozenset(("\\Y", "\\Q"))
 """Outputs of the cells that Yosys makes of operations and registers."""
@@ -26,40 +26,48 @@ def without_unread(modules: Mapping[str, Module], order: list[str]) -> None:
         _without_unread_bits(modules, order)
 
 
+Masks = dict[str, int]
+"""Bits of wires, as numbers in binary, by wire."""
+
+
+class Cut(NamedTuple):
+    """What is left of a wire: a name, and which bits of the whole it has."""
+
+    name: str
+    first: int
+    last: int
+
+
 def _without_unread_bits(modules: Mapping[str, Module], order: list[str]) -> None:
     """Take out wires that are but other names, and the bits of wires and inputs not read."""
     left: dict[str, dict[str, list[Cut]]] = {}
     for name in order:
         module = modules[name]
+        widths = module.widths
         for cell in module.cells.values():
             for port, cuts in left.get(cell.kind, {}).items():
-                bits = bits_in(cell.connections.pop(port), module.widths)
+                bits = bits_in(cell.connections.pop(port), widths)
                 for cut in cuts:
                     some = bits[cut.first : cut.last + 1]
-                    cell.connections[cut.name] = of_bits(some, module.widths)
+                    cell.connections[cut.name] = of_bits(some, widths)
         _without_aliases(module)
         left[name] = _cut(module, inputs=name != order[-1])
 
 
 def _without_unread_outputs(modules: Mapping[str, Module], order: list[str]) -> None:
     """Take out outputs of parts that nothing reads, and what is there for them alone."""
-    read: dict[str, set[str]] = {name: set() for name in order}  # outputs
+    used: dict[str, set[str]] = {name: set() for name in order}  # outputs
     for name in reversed(order):
         module = modules[name]
         for port, wire in module.ports.items():
-            if wire.direction == "output" and port not in read[name] and name != order[-1]:
+            if wire.direction == "output" and port not in used[name] and name != order[-1]:
                 wire.direction = ""
-        bits = _read_bits(module, modules)
-        while dead := [key for key, cell in module.cells.items() if _is_dead(cell, bits, module)]:
-            for key in dead:
-                del module.cells[key]
-            bits = _read_bits(module, modules)
+        read = _without_dead_cells(module, modules)
+        widths = module.widths
         for cell in module.cells.values():
             for port, wire in modules[cell.kind].ports.items() if cell.kind in modules else ():
-                if wire.direction == "output" and bits.intersection(
-                    bits_in(cell.connections[port], module.widths)
-                ):
-                    read[cell.kind].add(port)
+                if wire.direction == "output" and _any(cell.connections[port], widths, read):
+                    used[cell.kind].add(port)
     for name in order:
         for cell in modules[name].cells.values():
             if cell.kind in modules:
@@ -67,7 +75,19 @@ def _without_unread_outputs(modules: Mapping[str, Module], order: list[str]) -> 
                 cell.connections = {p: s for p, s in cell.connections.items() if p in there}
 
 
-def _read_bits(module: Module, modules: Mapping[str, Module]) -> set[Bit]:
+def _without_dead_cells(module: Module, modules: Mapping[str, Module]) -> Masks:
+    """Take out operations and registers that nothing reads; the bits that are read then."""
+    widths = module.widths
+    while True:
+        read = _read_bits(module, modules, widths)
+        dead = [key for key, cell in module.cells.items() if _is_dead(cell, read, widths)]
+        if not dead:
+            return read
+        for key in dead:
+            del module.cells[key]
+
+
+def _read_bits(module: Module, modules: Mapping[str, Module], widths: Mapping[str, int]) -> Masks:
     """The bits that something in a module reads, or that it hands out."""
     signals = [right for _, right in module.connections]
     for cell in module.cells.values():
@@ -79,16 +99,32 @@ def _read_bits(module: Module, modules: Mapping[str, Module]) -> set[Bit]:
             if not driven:
                 signals.append(signal)
     signals += [name for name, wire in module.ports.items() if wire.direction == "output"]
-    widths = module.widths
-    return {bit for signal in signals for bit in bits_in(signal, widths)}
+    return _masks(signals, widths)
 
 
-def _is_dead(cell: Cell, read: set[Bit], module: Module) -> bool:
+def _masks(signals: Iterable[str], widths: Mapping[str, int]) -> Masks:
+    """The bits of wires in signal expressions."""
+    masks = dict.fromkeys(widths, 0)
+    for signal in signals:
+        for name, low, width in pieces(signal, widths):
+            if name in masks:
+                masks[name] |= (1 << width) - 1 << low
+    return masks
+
+
+def _any(signal: str, widths: Mapping[str, int], masks: Masks) -> bool:
+    """Whether one of the signal's bits is among those of the masks."""
+    return any(
+        masks.get(name, 0) >> low & (1 << width) - 1 for name, low, width in pieces(signal, widths)
+    )
+
+
+def _is_dead(cell: Cell, read: Masks, widths: Mapping[str, int]) -> bool:
     """Whether nothing reads what an operation or a register gives."""
-    if not cell.kind.startswith("$") or not _RESULTS & cell.connections.keys():
-        return False
     results = [cell.connections[port] for port in _RESULTS & cell.connections.keys()]
-    return not any(read.intersection(bits_in(signal, module.widths)) for signal in results)
+    if not cell.kind.startswith("$") or not results:
+        return False
+    return not any(_any(signal, widths, read) for signal in results)
 
 
 def _without_aliases(module: Module) -> None:
@@ -102,43 +138,35 @@ def _without_aliases(module: Module) -> None:
                 outputs.setdefault(bit[0], {})[bit] = of
             else:
                 aliases[bit] = of
-
-    def followed(bit: Bit) -> Bit:
-        while bit in aliases:
-            bit = aliases[bit]
-        return bit
-
     module.connections = [
         (of_bits(list(bits), widths), of_bits(list(bits.values()), widths))
         for bits in (dict(sorted(bits.items())) for bits in outputs.values())
     ]
-    module.replace_bits(followed, module.wires)
+    if aliases:
+        module.replace_bits({bit: _followed(aliases, bit) for bit in aliases}, module.wires)
 
 
-class Cut(NamedTuple):
-    """What is left of a wire: a name, and which bits of the whole it has."""
-
-    name: str
-    first: int
-    last: int
+def _followed(aliases: Mapping[Bit, Bit], bit: Bit) -> Bit:
+    while bit in aliases:
+        bit = aliases[bit]
+    return bit
 
 
 def _cut(module: Module, *, inputs: bool) -> dict[str, list[Cut]]:
     """Leave of each wire only the bits that stand anywhere; what became of inputs."""
-    there: dict[str, set[int]] = {name: set() for name in module.wires}
-    for name, bit in module.bits():
-        if name in there:
-            there[name].add(bit)
+    there = _masks(module.signals(), module.widths)
     cuts: dict[str, list[Cut]] = {}
     for name, wire in module.wires.items():
         if wire.direction == "output" or (wire.direction == "input" and not inputs):
             continue
-        runs = _runs(there[name])
-        if runs != [(0, wire.width - 1)]:
+        if there[name] != (1 << wire.width) - 1:
+            runs = _runs(there[name])
             cuts[name] = [
                 Cut(name if len(runs) == 1 else f"{name}[{last}:{first}]", first, last)
                 for first, last in runs
             ]
+    if not cuts:
+        return {}
     changes = {
         (name, bit): (cut.name, bit - cut.first)
         for name, parts in cuts.items()
@@ -152,16 +180,19 @@ def _cut(module: Module, *, inputs: bool) -> dict[str, list[Cut]]:
             init = wire.init and wire.init[wire.width - 1 - cut.last : wire.width - cut.first]
             wires[cut.name] = Wire(width, wire.direction, wire.place, wire.signed, init)
     found = {name: cut for name, cut in cuts.items() if module.wires[name].direction}
-    module.replace_bits(lambda bit: changes.get(bit, bit), wires)
+    module.replace_bits(changes, wires)
     return found
 
 
-def _runs(bits: set[int]) -> list[tuple[int, int]]:
-    """First and last of each run of neighbours."""
+def _runs(mask: int) -> list[tuple[int, int]]:
+    """First and last of each run of ones."""
     runs: list[tuple[int, int]] = []
-    for bit in sorted(bits):
-        if runs and runs[-1][1] == bit - 1:
-            runs[-1] = (runs[-1][0], bit)
-        else:
-            runs.append((bit, bit))
+    place = 0
+    while mask >> place:
+        rest = mask >> place
+        first = place + (rest & -rest).bit_length() - 1
+        ones = mask >> first
+        last = first + (~ones & ones + 1).bit_length() - 2
+        runs.append((first, last))
+        place = last + 1
     return runs

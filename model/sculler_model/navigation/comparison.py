@@ -294,5 +294,6 @@ class Comparison:
         self._largest = np.maximum(self._largest, np.abs(flat).max(axis=0))
         self._final = flat[-1]
         since = errors.time - self._span[0]
-        self._growth += (float(since @ errors.horizontal), float(since @ since))
+        # sums, not products of vectors: those would start BLAS and its threads for a few numbers
+        self._growth += (float((since * errors.horizontal).sum()), float((since * since).sum()))
         self.instants += len(errors.time)

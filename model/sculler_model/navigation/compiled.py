@@ -36,6 +36,10 @@ CompiledRun: TypeAlias = Callable[
 ]
 
 
+_LOOSE = {"nsz"}
+"""A sum with 0 may be left out: all that it changes is the sign of a zero."""
+
+
 @cache
 def compiled_run() -> CompiledRun | None:
     """What carries a state over many intervals at machine speed; None where Numba is missing.
@@ -58,7 +62,7 @@ def compiled_run() -> CompiledRun | None:
     for module in modules:
         for function in vars(module).values():
             if isinstance(function, FunctionType) and function.__module__ == module.__name__:
-                register_jitable(forceinline=True)(function)
+                register_jitable(forceinline=True, fastmath=_LOOSE)(function)
     # Numba sees only a change of this file, and cannot read what it kept of types that are gone:
     # with the others' text in its name the compiled code has a file of its own
     key = sha256("".join(map(getsource, modules)).encode()).hexdigest()
@@ -103,9 +107,9 @@ def compiled_run() -> CompiledRun | None:
 
     loop.__qualname__ = f"loop_{key[:16]}"
     try:
-        run: CompiledRun = njit(cache=True, error_model="numpy")(loop)
+        run: CompiledRun = njit(cache=True, error_model="numpy", fastmath=_LOOSE)(loop)
     except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
-        run = njit(error_model="numpy")(loop)
+        run = njit(error_model="numpy", fastmath=_LOOSE)(loop)
     return run
 
 

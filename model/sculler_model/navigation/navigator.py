@@ -261,7 +261,8 @@ class Navigator:
         if run is None or not len(increments):
             return self._interpreted(arrays)
 
-        phi, dv, *more = (np.ascontiguousarray(array) for array in arrays)
+        # Numba would compile anew for arrays of another kind
+        phi, dv, *more = (np.require(array, requirements=["C", "W"]) for array in arrays)
         dr = more[0] if more else None
         if not self._updates:
             self._see_to_the_past(_first(phi), _first(dv), None if dr is None else _first(dr))

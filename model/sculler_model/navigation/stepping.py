@@ -88,6 +88,8 @@ class Compiled:
         self._coarse = vectors[0], vectors[1], np.zeros((0, 3)), table
         self._fine = vectors[0], vectors[1], vectors[2], table
         self._vectors, self._row = vectors.data.cast("B"), table[0]
+        nothing = np.zeros((0, 3))
+        self.run(nothing, nothing, None, np.zeros((0, 11)))  # loads the code, now and not in flight
 
     @property
     def level(self) -> Level:

@@ -16,11 +16,9 @@ from sculler.words import Advance, silent
 from sculler_model.analysis import frequency as analysis
 from sculler_model.design import Design
 from sculler_model.errors import InputError
+from sculler_model.frames import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
-
-MICRO_G = 9.80665e-6
-"""m/s² per µg."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +60,7 @@ def sculling(angle: float, force: float) -> Kind:
         "sculling",
         f"Acceleration left of sculling, {angle:g}° with {force:g} m/s²",
         "µg",
-        1 / MICRO_G,
+        1e6 / STANDARD_GRAVITY,
         "host's velocity",
         analysis.Scull(radians(angle), force),
     )

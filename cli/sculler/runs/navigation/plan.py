@@ -85,6 +85,7 @@ class Carrier:
         position_every: major intervals from one position update to the next (wander only).
         height_damping: s, time constant of the loop that holds the height to the run's first one
             (wander only); None for none.
+        compiled: as of `Navigator` (wander only).
 
     Raises:
         ContradictionError: the north-pointing one with what only the other has.
@@ -93,8 +94,11 @@ class Carrier:
     mechanisation: Literal["wander", "geographic"] = "wander"
     position_every: int = 1
     height_damping: float | None = None
+    compiled: bool | None = None
 
     def __post_init__(self) -> None:
+        if self.mechanisation == "geographic" and self.compiled:
+            raise ContradictionError("compiled is for the wander azimuth, leave it out")
         plain = self.position_every == 1 and self.height_damping is None
         if self.mechanisation == "geographic" and not plain:
             raise ContradictionError(
@@ -122,11 +126,13 @@ class Carrier:
             position_every=self.position_every,
             height_damping=None if damping is None else HeightDamping(reference_height, damping),
             gravity=gravity,
+            compiled=self.compiled,
         )
 
 
 ANGLES, VELOCITIES = ("roll", "pitch", "heading"), ("vn", "ve", "vd")
-NOISE = ("gyro_noise", "accel_noise", "gyro_bias_sigma", "accel_bias_sigma")
+NOISE = ("noise", "gyro_noise", "accel_noise", "gyro_bias_sigma", "accel_bias_sigma")
+"""What only an alignment looks at: of the library all in one, of the verb one by one."""
 
 
 def refuse_contradictions(
