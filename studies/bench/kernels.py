@@ -1,7 +1,8 @@
 """From arrays of counts to exact integers: `FastModel` against plain C, one thread each.
 
 The C (plain/vectors.c) has the design's table as constants; both sides make the results' memory
-anew in each run.  Then counts to φ and ΔV with one sample a result, against `python-ins`.
+anew in each run.  Then counts to φ and ΔV with one sample a result, against `python-ins`, ours with
+the threads that it takes by itself.
 """
 
 from __future__ import annotations
@@ -147,7 +148,7 @@ def _against_python_ins(samples: int) -> Contest:
     """Counts to φ and ΔV, a result each sample, with the correction of two samples."""
     design = Design.preset("stim300", samples=1, history=1, minors=1)
     counts = _counts(design, samples)
-    model = FastModel(design, threads=1, compiled=True)
+    model = FastModel(design, compiled=True)
 
     def ours() -> Any:
         model.reset()

@@ -7,6 +7,7 @@ Only here do scale factors and denominators enter, in double precision, once a m
 from __future__ import annotations
 
 import sys
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
@@ -88,14 +89,18 @@ def increments_of(
     blocks = model.feed_in_parts(counts, faults, RESULTS * span)
     if design.high_resolution or not _is_worth_compiling(majors) or compiled_scale() is None:
         return MajorIncrements.concatenate([major_increments(design, each) for each in blocks])
-    whole = _none_yet(majors, np.empty(majors, np.int64))
+    whole = _none_yet(majors)
     done = 0
-    for block in blocks:
-        part = whole[done : done + len(block)]
-        _fill(design, block, part)
-        if part.status is not None:
-            part.status[:] = block.status
-        done += len(block)
+    with ThreadPoolExecutor(1) as other:  # scales a part while the next one is computed
+        waiting: Future[None] | None = None
+        for block in blocks:
+            part = whole[done : done + len(block)]
+            if waiting is not None:
+                waiting.result()
+            waiting = other.submit(_fill, design, block, part)
+            done += len(block)
+        if waiting is not None:
+            waiting.result()
     return whole
 
 
@@ -103,10 +108,10 @@ def _is_worth_compiling(majors: int) -> bool:
     return majors >= WORTH_COMPILING or "numba" in sys.modules
 
 
-def _none_yet(majors: int, status: NDArray[np.int64]) -> MajorIncrements:
+def _none_yet(majors: int) -> MajorIncrements:
     """Memory for increments."""
     phi, alpha, dv_sf = (np.empty((majors, 3)) for _ in range(3))
-    return MajorIncrements(phi, alpha, dv_sf, status=status)
+    return MajorIncrements(phi, alpha, dv_sf, status=np.empty(majors, np.int64))
 
 
 def _scaled(design: Design, block: VectorBlock) -> MajorIncrements:
@@ -127,7 +132,7 @@ def _compiled(design: Design, block: VectorBlock) -> MajorIncrements:
     """The same numbers through Numba, where it is there."""
     if compiled_scale() is None:
         return _scaled(design, block)
-    found = replace(_none_yet(len(block), block.status), times=block.times)
+    found = replace(_none_yet(len(block)), times=block.times)
     for first in range(0, len(block), RESULTS):
         part = slice(first, first + RESULTS)
         _fill(design, block[part], found[part])
@@ -148,6 +153,8 @@ def _fill(design: Design, block: VectorBlock, found: MajorIncrements) -> None:
     left = scale(numbers, _units(design), found.phi, found.alpha, found.dv_sf)
     if left.any():
         found.dv_sf[left] = _scaled(design, block[left]).dv_sf
+    if found.status is not None:
+        found.status[:] = block.status
 
 
 def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
