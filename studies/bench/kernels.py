@@ -1,7 +1,8 @@
 """From arrays of counts to exact integers: `FastModel` against plain C, one thread each.
 
 The C (plain/vectors.c) has the design's table as constants; both sides make the results' memory
-anew in each run.  Then counts to φ and ΔV with one sample a result, against `python-ins`.
+anew in each run.  Then counts to φ and ΔV with one sample a result, against `python-ins`, ours with
+the threads that it takes by itself.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from sculler_model.algorithms import MAX_SAMPLES
 from sculler_model.design import PRESETS, Design
 from sculler_model.errors import InputError
 from sculler_model.fast import FastModel, component_limbs, limbs_of
-from sculler_model.host import major_increments
+from sculler_model.host import increments_of
 from studies.bench.contest import Contest, compiled
 
 SAMPLES = 1_000_000
@@ -147,11 +148,11 @@ def _against_python_ins(samples: int) -> Contest:
     """Counts to φ and ΔV, a result each sample, with the correction of two samples."""
     design = Design.preset("stim300", samples=1, history=1, minors=1)
     counts = _counts(design, samples)
-    model = FastModel(design, threads=1, compiled=True)
+    model = FastModel(design, compiled=True)
 
     def ours() -> Any:
         model.reset()
-        return major_increments(design, model.feed(counts))
+        return increments_of(model, counts)
 
     name, against = "counts to φ and ΔV, n = p = M = 1", "python-ins, from increments in SI"
     try:

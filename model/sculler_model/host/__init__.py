@@ -13,7 +13,12 @@ from sculler_model.host.compensation import (
     velocity_rotation,
 )
 from sculler_model.host.increments import MajorIncrements
-from sculler_model.host.scaling import major_increments, second_order_corrections, uncorrected
+from sculler_model.host.scaling import (
+    increments_of,
+    major_increments,
+    second_order_corrections,
+    uncorrected,
+)
 from sculler_model.host.third_order import ThirdOrder, third_order_terms
 
 __all__ = [
@@ -21,6 +26,7 @@ __all__ = [
     "ThirdOrder",
     "displacement",
     "half_minus_cosine",
+    "increments_of",
     "major_increments",
     "one_minus_cosine",
     "one_minus_sine",

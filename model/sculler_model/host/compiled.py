@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 Scale: TypeAlias = Callable[
-    [NDArray[np.int64], tuple[float, ...], Array, Array, Array], NDArray[np.bool_]
+    [NDArray[Any], tuple[float, ...], Array, Array, Array], NDArray[np.bool_]
 ]
 
 _COSINE = np.array([1 / factorial(n) for n in range(20, 1, -2)])
@@ -30,62 +30,81 @@ _SINE = np.array([1 / factorial(n) for n in range(21, 2, -2)])
 def compiled_scale() -> Scale | None:
     """What fills in φ, α and ΔV_SF; None where Numba is missing.
 
-    It takes the limbs of the six vectors, (R, C, W) with α's components first; the units
-    (`units_of`); and three arrays (R, 3).  It returns (R,), whether ΔV_SF is left to do.
+    It takes the six vectors (R, C) with α's components first, int64 or, rounded, float64; the units
+    (`scaling`); and three arrays (R, 3).  It returns (R,), whether ΔV_SF is left to do.
     """
+    scale: Scale | None = _compiled(_scale)
+    return scale
+
+
+@cache
+def compiled_floats() -> Callable[[NDArray[np.int64], Array], None] | None:
+    """What fills in (R, C) with the floats nearest to (R, C, W) limbs; None without Numba."""
+    floats: Callable[[NDArray[np.int64], Array], None] | None = _compiled(_floats)
+    return floats
+
+
+def _compiled(function: Callable[..., Any]) -> Any:
     try:
         from numba import njit
         from numba.extending import register_jitable
     except ImportError:
         return None
-    # not as compiled code in a closure: such a function is another one in every process, and what
-    # was kept on disk of `scale` would never be found again
     register_jitable(nearest_float)
-
-    def scale(limbs: Any, units: Any, phi: Array, alpha: Array, dv_sf: Array) -> NDArray[np.bool_]:
-        alpha_unit, nu_unit, within, between, coning, sculling = units
-        left = np.zeros(len(limbs), np.bool_)
-        for row in range(len(limbs)):
-            vectors = limbs[row]
-            ax = nearest_float(vectors[0]) * alpha_unit
-            ay = nearest_float(vectors[1]) * alpha_unit
-            az = nearest_float(vectors[2]) * alpha_unit
-            ux = nearest_float(vectors[9]) * nu_unit
-            uy = nearest_float(vectors[10]) * nu_unit
-            uz = nearest_float(vectors[11]) * nu_unit
-            alpha[row, 0], alpha[row, 1], alpha[row, 2] = ax, ay, az
-            for axis in range(3):
-                correction = (
-                    nearest_float(vectors[3 + axis]) / within
-                    + nearest_float(vectors[6 + axis]) / between
-                )
-                phi[row, axis] = alpha[row, axis] + coning * correction
-            angle = np.sqrt(ax * ax + ay * ay + az * az)
-            if angle >= 1:
-                left[row] = True
-                continue
-            square = angle * angle
-            cosine, sine = 0.0, 0.0
-            for term in range(len(_COSINE)):
-                cosine = _COSINE[term] - square * cosine
-                sine = _SINE[term] - square * sine
-            fx, fy, fz = ay * uz - az * uy, az * ux - ax * uz, ax * uy - ay * ux
-            gx, gy, gz = ay * fz - az * fy, az * fx - ax * fz, ax * fy - ay * fx
-            dv_sf[row, 0] = ux + (cosine * fx + sine * gx)
-            dv_sf[row, 1] = uy + (cosine * fy + sine * gy)
-            dv_sf[row, 2] = uz + (cosine * fz + sine * gz)
-            for axis in range(3):
-                correction = (
-                    nearest_float(vectors[12 + axis]) / within
-                    + nearest_float(vectors[15 + axis]) / between
-                )
-                dv_sf[row, axis] = dv_sf[row, axis] + sculling * correction
-        return left
-
+    register_jitable(_correction)
     try:
-        return njit(nogil=True, cache=True)(scale)
+        return njit(nogil=True, cache=True)(function)
     except RuntimeError:  # there is nowhere to keep it
-        return njit(nogil=True)(scale)
+        return njit(nogil=True)(function)
+
+
+def _scale(numbers: Any, units: Any, phi: Array, alpha: Array, dv_sf: Array) -> NDArray[np.bool_]:
+    alpha_unit, nu_unit, within, between, coning, sculling = units
+    left = np.zeros(len(numbers), np.bool_)
+    for row in range(len(numbers)):
+        ax = float(numbers[row, 0]) * alpha_unit
+        ay = float(numbers[row, 1]) * alpha_unit
+        az = float(numbers[row, 2]) * alpha_unit
+        ux = float(numbers[row, 9]) * nu_unit
+        uy = float(numbers[row, 10]) * nu_unit
+        uz = float(numbers[row, 11]) * nu_unit
+        alpha[row, 0], alpha[row, 1], alpha[row, 2] = ax, ay, az
+        for axis in range(3):
+            correction = _correction(numbers, row, 3 + axis, within, between)
+            phi[row, axis] = alpha[row, axis] + coning * correction
+        angle = np.sqrt(ax * ax + ay * ay + az * az)
+        if angle >= 1:
+            left[row] = True
+            continue
+        square = angle * angle
+        cosine, sine = 0.0, 0.0
+        for term in range(len(_COSINE)):
+            cosine = _COSINE[term] - square * cosine
+            sine = _SINE[term] - square * sine
+        fx, fy, fz = ay * uz - az * uy, az * ux - ax * uz, ax * uy - ay * ux
+        gx, gy, gz = ay * fz - az * fy, az * fx - ax * fz, ax * fy - ay * fx
+        dv_sf[row, 0] = ux + (cosine * fx + sine * gx)
+        dv_sf[row, 1] = uy + (cosine * fy + sine * gy)
+        dv_sf[row, 2] = uz + (cosine * fz + sine * gz)
+        for axis in range(3):
+            correction = _correction(numbers, row, 12 + axis, within, between)
+            dv_sf[row, axis] = dv_sf[row, axis] + sculling * correction
+    return left
+
+
+def _correction(numbers: Any, row: int, first: int, within: float, between: float) -> float:
+    """Within and, three columns on, between; in counts²."""
+    correction: float = float(numbers[row, first]) / within
+    rest = float(numbers[row, first + 3])
+    if rest != 0:  # it is 0 where there is one minor interval, and division slow
+        correction += rest / between
+    return correction
+
+
+def _floats(limbs: NDArray[np.int64], numbers: Array) -> None:
+    for row in range(len(limbs)):
+        for column in range(limbs.shape[1]):
+            numbers[row, column] = nearest_float(limbs[row, column])
 
 
 def nearest_float(limbs: Any) -> float:

@@ -7,20 +7,22 @@ Only here do scale factors and denominators enter, in double precision, once a m
 from __future__ import annotations
 
 import sys
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from sculler_model.algorithms import S_DENOMINATOR, SCROLLING_DENOMINATOR
 from sculler_model.design import Design
-from sculler_model.fast import VectorBlock, limbs_of
+from sculler_model.fast import FastModel, VectorBlock, limbs_of
 from sculler_model.host.compensation import (
     displacement,
     velocity_higher_orders,
     velocity_rotation,
 )
-from sculler_model.host.compiled import compiled_scale
+from sculler_model.host.compiled import compiled_floats, compiled_scale
 from sculler_model.host.increments import MajorIncrements
 from sculler_model.host.third_order import ThirdOrder
 
@@ -34,6 +36,9 @@ WORTH_WHEN_LOADED = 200_000
 
 PART = 8192
 """Intervals that numpy scales at a time: few enough for the cache."""
+
+RESULTS = 16384
+"""Results held at a time where Numba scales: more of them cost new memory each time."""
 
 
 def major_increments(
@@ -60,11 +65,56 @@ def major_increments(
     """
     if design.high_resolution:
         increments = _with_displacement(design, block)
-    elif len(block) >= (WORTH_WHEN_LOADED if "numba" in sys.modules else WORTH_COMPILING):
+    elif _is_worth_compiling(len(block)):
         increments = _compiled(design, block)
     else:
         increments = _scaled(design, block)
     return ThirdOrder()(increments) if third_order else increments
+
+
+def increments_of(
+    model: FastModel, counts: ArrayLike, faults: ArrayLike | None = None
+) -> MajorIncrements:
+    """φ, α, ΔV_SF and ΔR_SF of the major intervals that consecutive samples complete.
+
+    What `major_increments` makes of `FastModel.feed`, bit for bit, but the integers of a part at a
+    time, which stay in the processor's cache: with short intervals twice as fast or more.
+
+    Args:
+        model: takes the samples, as by `feed`.
+        counts, faults: as for `FastModel.feed`.
+
+    Raises:
+        InputError: as `FastModel.feed`; then nothing of the samples is taken.
+    """
+    design, span = model.design, model.design.samples_per_major
+    majors = (model.leftover + len(np.asarray(counts))) // span
+    blocks = model.feed_in_parts(counts, faults, RESULTS * span)
+    if design.high_resolution or not _is_worth_compiling(majors) or compiled_scale() is None:
+        return MajorIncrements.concatenate([major_increments(design, each) for each in blocks])
+    whole = _none_yet(majors)
+    done = 0
+    with ThreadPoolExecutor(1) as other:  # scales a part while the next one is computed
+        waiting: Future[None] | None = None
+        for block in blocks:
+            part = whole[done : done + len(block)]
+            if waiting is not None:
+                waiting.result()
+            waiting = other.submit(_fill, design, block, part)
+            done += len(block)
+        if waiting is not None:
+            waiting.result()
+    return whole
+
+
+def _is_worth_compiling(majors: int) -> bool:
+    return majors >= (WORTH_WHEN_LOADED if "numba" in sys.modules else WORTH_COMPILING)
+
+
+def _none_yet(majors: int) -> MajorIncrements:
+    """Memory for increments."""
+    phi, alpha, dv_sf = (np.empty((majors, 3)) for _ in range(3))
+    return MajorIncrements(phi, alpha, dv_sf, status=np.empty(majors, np.int64))
 
 
 def _scaled(design: Design, block: VectorBlock) -> MajorIncrements:
@@ -83,14 +133,31 @@ def _scaled(design: Design, block: VectorBlock) -> MajorIncrements:
 
 def _compiled(design: Design, block: VectorBlock) -> MajorIncrements:
     """The same numbers through Numba, where it is there."""
-    scale = compiled_scale()
-    if scale is None:
+    if compiled_scale() is None:
         return _scaled(design, block)
-    phi, alpha, dv_sf = (np.empty((len(block), 3)) for _ in range(3))
-    left = scale(limbs_of(block.components), _units(design), phi, alpha, dv_sf)
+    found = replace(_none_yet(len(block)), times=block.times)
+    for first in range(0, len(block), RESULTS):
+        part = slice(first, first + RESULTS)
+        _fill(design, block[part], found[part])
+    return found
+
+
+def _fill(design: Design, block: VectorBlock, found: MajorIncrements) -> None:
+    """Fill in φ, α and ΔV_SF through Numba, which is there."""
+    scale, floats = compiled_scale(), compiled_floats()
+    assert scale is not None
+    assert floats is not None
+    numbers: NDArray[Any] = limbs_of(block.components)
+    if numbers.shape[2] == 1:
+        numbers = numbers[..., 0]
+    else:
+        limbs, numbers = numbers, np.empty(numbers.shape[:2])
+        floats(limbs, numbers)
+    left = scale(numbers, _units(design), found.phi, found.alpha, found.dv_sf)
     if left.any():
-        dv_sf[left] = _scaled(design, block[left]).dv_sf
-    return MajorIncrements(phi, alpha, dv_sf, status=block.status, times=block.times)
+        found.dv_sf[left] = _scaled(design, block[left]).dv_sf
+    if found.status is not None:
+        found.status[:] = block.status
 
 
 def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
