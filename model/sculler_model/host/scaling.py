@@ -92,14 +92,15 @@ def increments_of(
     blocks = model.feed_in_parts(counts, faults, RESULTS * span)
     if design.high_resolution or not _is_worth_compiling(majors) or compiled_scale() is None:
         return MajorIncrements.concatenate([major_increments(design, each) for each in blocks])
-    whole = _none_yet(majors)
-    done = 0
+    statuses = np.empty(majors, np.int64)
+    whole, done = replace(_none_yet(majors), status=statuses), 0
     with ThreadPoolExecutor(1) as other:  # scales a part while the next one is computed
         waiting: Future[None] | None = None
         for block in blocks:
             part = whole[done : done + len(block)]
             if waiting is not None:
                 waiting.result()
+            statuses[done : done + len(block)] = block.status
             waiting = other.submit(_fill, design, block, part)
             done += len(block)
         if waiting is not None:
@@ -114,7 +115,7 @@ def _is_worth_compiling(majors: int) -> bool:
 def _none_yet(majors: int) -> MajorIncrements:
     """Memory for increments."""
     phi, alpha, dv_sf = (np.empty((majors, 3)) for _ in range(3))
-    return MajorIncrements(phi, alpha, dv_sf, status=np.empty(majors, np.int64))
+    return MajorIncrements(phi, alpha, dv_sf)
 
 
 def _scaled(design: Design, block: VectorBlock) -> MajorIncrements:
@@ -135,7 +136,7 @@ def _compiled(design: Design, block: VectorBlock) -> MajorIncrements:
     """The same numbers through Numba, where it is there."""
     if compiled_scale() is None:
         return _scaled(design, block)
-    found = replace(_none_yet(len(block)), times=block.times)
+    found = replace(_none_yet(len(block)), status=block.status, times=block.times)
     for first in range(0, len(block), RESULTS):
         part = slice(first, first + RESULTS)
         _fill(design, block[part], found[part])
@@ -156,8 +157,6 @@ def _fill(design: Design, block: VectorBlock, found: MajorIncrements) -> None:
     left = scale(numbers, _units(design), found.phi, found.alpha, found.dv_sf)
     if left.any():
         found.dv_sf[left] = _scaled(design, block[left]).dv_sf
-    if found.status is not None:
-        found.status[:] = block.status
 
 
 def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
