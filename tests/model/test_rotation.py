@@ -105,9 +105,9 @@ def test_many_euler_angles_at_once() -> None:
     assert np.allclose(rotation.euler_angles(q), rows)
     # straight up and down among others: as one by one
     q = np.array([q[0], [0.5**0.5, 0, 0.5**0.5, 0], [0.5, -0.5, -0.5, -0.5], q[1]])
-    assert np.array_equal(
-        rotation.euler_angles(q), [rotation.to_euler(tuple(row)) for row in q.tolist()]
-    )
+    one_by_one = [rotation.to_euler(tuple(row)) for row in q.tolist()]
+    # to rounding: numpy's arctangent may differ from the interpreter's in the last bit
+    assert np.abs(rotation.euler_angles(q) - one_by_one).max() < 5e-16
     assert rotation.euler_angles(np.zeros((0, 4))).shape == (0, 3)
 
 

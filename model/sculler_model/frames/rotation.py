@@ -175,7 +175,7 @@ def to_euler(q: Quaternion) -> Vector:
 
 
 def euler_angles(q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """`to_euler` for many: (N, 4) quaternions to (N, 3) roll, pitch, heading (rad)."""
+    """`to_euler` for many, to rounding: (N, 4) quaternions to (N, 3) roll, pitch, heading, rad."""
     w, x, y, z = np.ascontiguousarray(q.T)
     sin_pitch = 2 * (w * y - x * z)
     forward_n, forward_e = 1 - 2 * (y * y + z * z), 2 * (x * y + w * z)
