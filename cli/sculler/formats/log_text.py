@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from sculler.formats import lines
 from sculler.formats.compiled import WORTH_READING, Kernels, kernels
-from sculler.formats.compiled.printing import FLOAT_BYTES, WHOLE_BYTES
+from sculler.formats.compiled.printing import FLOAT_BYTES, NO_LIMBS, WHOLE_BYTES
 from sculler.formats.compiled.scanning import FAULT as FAULT_KIND
 from sculler.formats.compiled.scanning import SEQUENCE as SEQUENCE_KIND
 from sculler.formats.compiled.scanning import TIME as TIME_KIND
@@ -285,7 +285,7 @@ class TextLogWriter:
         plain = (stamps == 0) | (np.abs(stamps) >= 1e-4) & (np.abs(stamps) < 1e16)
         if not plain.all():  # `repr` would have an exponent
             return None
-        return out[: compiled.print_whole(rows, stamps, compiled.upper, out)].data
+        return out[: compiled.print_rows(rows, NO_LIMBS, stamps, compiled.upper, out)].data
 
     def close(self, *error: object) -> None:
         """Flush and close the file, be it whole or not."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from sculler.formats import lines
 from sculler.formats.compiled import Kernels, kernels
-from sculler.formats.compiled.printing import FLOAT_BYTES, WHOLE_BYTES
+from sculler.formats.compiled.printing import FLOAT_BYTES, NO_LIMBS, WHOLE_BYTES
 from sculler.formats.plain_rows import parse
 from sculler_model import inputs
 from sculler_model.design import COLUMNS, HIGH_RESOLUTION_COLUMNS
@@ -146,10 +146,10 @@ class TextVectors(AbstractContextManager["TextVectors"]):
         rows, columns = text.count(b"\n"), len(self.columns)
         characters = np.frombuffer(text, np.uint8)
         bits = np.empty(rows if self.times else 0, np.uint64)
-        whole = np.empty((rows, columns), np.int64)
-        found = compiled.scan_whole(characters, columns, self.times, compiled.lower, whole, bits)
+        times = bits.view(np.float64) if self.times else None
+        whole, none = np.empty((rows, columns), np.int64), NO_LIMBS.view(np.uint64)
+        found = compiled.scan_rows(characters, self.times, compiled.lower, whole, none, bits)
         if found == rows:
-            times = bits.view(np.float64) if self.times else None
             return VectorBlock(whole[:, 0].copy(), whole[:, 1].copy(), whole[:, 2:], times)
         longest = compiled.longest(characters)
         limbs = int(longest * _DIGIT_BITS + 1) // 64 + 1
@@ -157,15 +157,11 @@ class TextVectors(AbstractContextManager["TextVectors"]):
             return None
         head = np.empty((rows, 2), np.int64)
         wide = np.empty((rows, columns - 2, limbs), np.uint64)
-        found = compiled.scan_wide(characters, self.times, compiled.lower, head, wide, bits)
+        found = compiled.scan_rows(characters, self.times, compiled.lower, head, wide, bits)
         if found != rows:
             return None
-        return VectorBlock(
-            head[:, 0].copy(),
-            head[:, 1].copy(),
-            trimmed(wide.view(np.int64)),
-            bits.view(np.float64) if self.times else None,
-        )
+        components = trimmed(wide.view(np.int64))
+        return VectorBlock(head[:, 0].copy(), head[:, 1].copy(), components, times)
 
     def _parsed(self, text: bytes) -> VectorBlock | None:
         """In numpy; None if the text is not plain, or a number has more than 18 digits."""
@@ -280,13 +276,11 @@ class TextVectorsWriter:
         out = np.empty(room, np.uint8)
         times = np.zeros(0) if block.times is None else np.ascontiguousarray(block.times)
         if words == 1:
-            whole = np.column_stack([block.major, block.status, limbs[..., 0]])
-            size = compiled.print_whole(whole, times, compiled.upper, out)
+            whole, limbs = np.column_stack([block.major, block.status, limbs[..., 0]]), NO_LIMBS
         else:
-            head = np.column_stack([block.major, block.status])
-            size = compiled.print_wide(
-                head, np.ascontiguousarray(limbs), times, compiled.upper, out
-            )
+            whole = np.column_stack([block.major, block.status])
+            limbs = np.ascontiguousarray(limbs)
+        size = compiled.print_rows(whole, limbs, times, compiled.upper, out)
         return None if size < 0 else out[:size].data
 
     def _formatted(self, block: VectorBlock) -> bytes:

@@ -15,9 +15,7 @@ High-resolution position is the sum of products of `scrolling`, there with its d
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from hashlib import sha256
-from inspect import getsource
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -47,6 +45,7 @@ from sculler_model.fast.lanes import (
     row,
     zero,
 )
+from sculler_model.machine_code import compiled
 
 Rows = NDArray[np.int64]
 
@@ -232,18 +231,5 @@ def _position_of(counts, first, N, sum_like, like, results):  # type: ignore[no-
         put_left(results, major, 24, halves_added(scrolling), like)
 
 
-def _compiled(function: Callable[..., Any]) -> Any:
-    """The function in machine code, which Numba keeps between processes.
-
-    Numba sees only a change of this file: with the other's text in its name the code of another
-    version has a file of its own.
-    """
-    function.__qualname__ = f"{function.__name__}_{_SOURCES}"
-    try:
-        return njit(nogil=True, cache=True)(function)
-    except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
-        return njit(nogil=True)(function)
-
-
-_SOURCES = sha256(getsource(lanes).encode()).hexdigest()[:16]
-_vectors, _position = _compiled(_vectors_of), _compiled(_position_of)
+_vectors = compiled(_vectors_of, lanes, nogil=True)
+_position = compiled(_position_of, lanes, nogil=True)

@@ -7,6 +7,7 @@ turns by 1 rad or more, is left to them.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from functools import cache
 from math import factorial
@@ -14,6 +15,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+from sculler_model.machine_code import callable_when_compiled, compiled
 
 Array = NDArray[np.float64]
 
@@ -46,16 +49,10 @@ def compiled_floats() -> Callable[[NDArray[np.int64], Array], None] | None:
 
 def _compiled(function: Callable[..., Any]) -> Any:
     try:
-        from numba import njit
-        from numba.extending import register_jitable
+        callable_when_compiled(sys.modules[__name__])
+        return compiled(function, nogil=True)
     except ImportError:
         return None
-    register_jitable(nearest_float)
-    register_jitable(_correction)
-    try:
-        return njit(nogil=True, cache=True)(function)
-    except RuntimeError:  # there is nowhere to keep it
-        return njit(nogil=True)(function)
 
 
 def _scale(numbers: Any, units: Any, phi: Array, alpha: Array, dv_sf: Array) -> NDArray[np.bool_]:

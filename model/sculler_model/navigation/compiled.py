@@ -9,9 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from hashlib import sha256
-from inspect import getsource
-from types import FunctionType
 from typing import TypeAlias
 
 import numpy as np
@@ -19,6 +16,7 @@ from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
 from sculler_model.frames import earth, rotation
+from sculler_model.machine_code import callable_when_compiled, compiled
 from sculler_model.navigation import gravity, wander
 from sculler_model.navigation.gravity import Gravity, GravityTable, covers
 from sculler_model.navigation.wander import (
@@ -53,19 +51,11 @@ def compiled_run() -> CompiledRun | None:
 
     Compiling takes some seconds at the very first call and is kept on disk from then on.
     """
+    modules = (earth, gravity, rotation, wander)
     try:
-        from numba import njit
-        from numba.extending import register_jitable
+        callable_when_compiled(*modules, forceinline=True, fastmath=_LOOSE)
     except ImportError:
         return None
-    modules = (earth, gravity, rotation, wander)
-    for module in modules:
-        for function in vars(module).values():
-            if isinstance(function, FunctionType) and function.__module__ == module.__name__:
-                register_jitable(forceinline=True, fastmath=_LOOSE)(function)
-    # Numba sees only a change of this file, and cannot read what it kept of types that are gone:
-    # with the others' text in its name the compiled code has a file of its own
-    key = sha256("".join(map(getsource, modules)).encode()).hexdigest()
 
     def loop(
         carried: Array,
@@ -105,11 +95,7 @@ def compiled_run() -> CompiledRun | None:
             carried[k] = numbers[k]
         return done
 
-    loop.__qualname__ = f"loop_{key[:16]}"
-    try:
-        run: CompiledRun = njit(cache=True, error_model="numpy", fastmath=_LOOSE)(loop)
-    except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
-        run = njit(error_model="numpy", fastmath=_LOOSE)(loop)
+    run: CompiledRun = compiled(loop, *modules, error_model="numpy", fastmath=_LOOSE)
     return run
 
 

@@ -5,12 +5,14 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from sculler_model import machine_code
 
 RAILS, RUNS, SPIKES = 1, 2, 4
 """What there may be: counts at their rails, long runs that ended, lone spikes."""
@@ -98,16 +100,8 @@ def noisy(rows: NDArray[np.int64], least: float, known: NDArray[np.bool_]) -> No
 def compiled() -> tuple[Callable[..., int], Callable[..., None]] | None:
     """`screen` and `noisy`, compiled; None where Numba is missing."""
     try:
-        from numba import njit
-        from numba.extending import register_jitable
+        machine_code.callable_when_compiled(sys.modules[__name__])
+        screening, noise = (machine_code.compiled(each, nogil=True) for each in (screen, noisy))
+        return screening, noise
     except ImportError:
         return None
-
-    def made(function: Callable[..., Any]) -> Any:
-        try:
-            return njit(cache=True, nogil=True)(function)
-        except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
-            return njit(nogil=True)(function)
-
-    register_jitable(_all_still)
-    return made(screen), made(noisy)

@@ -9,12 +9,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from functools import cache
-from hashlib import sha256
-from inspect import getsource
-from types import FunctionType
 from typing import Any, NamedTuple
 
 from sculler.formats.compiled import decimals, printing, scanning
+from sculler_model.machine_code import callable_when_compiled, compiled
 
 WORTH_READING, WORTH_WRITING = 1 << 25, 1 << 23
 """Bytes of a text from which on it is read and written by compiled loops: to load them takes half a
@@ -32,13 +30,11 @@ class Kernels(NamedTuple):
     """
 
     scan_log: Callable[..., int]
-    scan_whole: Callable[..., int]
-    scan_wide: Callable[..., int]
+    scan_rows: Callable[..., int]
     scan_numbers: Callable[..., int]
     longest: Callable[..., int]
-    print_whole: Callable[..., int]
+    print_rows: Callable[..., int]
     print_stamped: Callable[..., int]
-    print_wide: Callable[..., int]
     print_floats: Callable[..., int]
     upper: decimals.Words
     lower: decimals.Words
@@ -58,26 +54,15 @@ def loaded() -> Kernels | None:
 
     Compiling takes some seconds at the very first call and is kept on disk from then on.
     """
+    modules = (decimals, scanning, printing)
     try:
-        from numba import njit
-        from numba.extending import register_jitable
+        callable_when_compiled(*modules)
     except ImportError:
         return None
-    modules = (decimals, scanning, printing)
-    for module in modules:
-        for function in vars(module).values():
-            if isinstance(function, FunctionType) and function.__module__ == module.__name__:
-                register_jitable(function)
-    # Numba sees a change of one file only: with the text of all in its name what it kept is new
-    key = sha256("".join(map(getsource, modules)).encode()).hexdigest()[:16]
 
-    def compiled(name: str) -> Any:
+    def made(name: str) -> Any:
         function = getattr(scanning, name, None) or getattr(printing, name)
-        function.__qualname__ = f"{name}_{key}"
-        try:
-            return njit(cache=True, nogil=True)(function)
-        except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
-            return njit(nogil=True)(function)
+        return compiled(function, *modules, nogil=True)
 
-    loops = [compiled(name) for name in Kernels._fields[:-2]]
+    loops = [made(name) for name in Kernels._fields[:-2]]
     return Kernels._make([*loops, decimals.upper_powers(), decimals.lower_powers()])

@@ -17,6 +17,9 @@ Bytes = NDArray[np.uint8]
 Whole = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
+NO_LIMBS: Whole = np.empty((0, 0, 1), np.int64)
+"""Of rows without wide numbers."""
+
 WHOLE_BYTES, FLOAT_BYTES = 21, 26
 """Most bytes that a whole number of 64 bits and a float take, the separator after it too."""
 
@@ -164,17 +167,28 @@ def _put_scientific(out: Bytes, at: int, figures: Any, count: int, exponent: int
     return put_digits(out, at + 3, size, max(2, digits_of(size)))
 
 
-def print_whole(whole: Whole, times: Floats, powers: Words, out: Bytes) -> int:
-    """Rows of whole numbers (R, C), and a float in the end of each where `times` has some.
+def print_rows(whole: Whole, limbs: Whole, times: Floats, powers: Words, out: Bytes) -> int:
+    """Rows of whole numbers.
+
+    Args:
+        whole: (R, C) of 64 bits.
+        limbs: (R, D, W) of W words, after them; D may be 0.
+        times: a float in the end of each row, where it has some.
+        powers: of `decimals.upper_powers`.
+        out: room for the text.
 
     Returns:
         The bytes written; -1 if a time is not finite.
     """
     at, bits = 0, times.view(np.uint64)
-    rows, columns = whole.shape
-    for row in range(rows):
-        for column in range(columns):
+    figures = np.zeros((5 * limbs.shape[2] + 1, 2), np.uint64)
+    for row in range(len(whole)):
+        for column in range(whole.shape[1]):
             at = put_whole(out, at, whole[row, column])
+            out[at] = 44
+            at += 1
+        for column in range(limbs.shape[1]):
+            at = put_wide(out, at, limbs[row, column], figures)
             out[at] = 44
             at += 1
         if len(times):
@@ -203,28 +217,6 @@ def print_stamped(whole: Whole, nanoseconds: Whole, out: Bytes) -> int:
             at -= 1
         out[at] = 10
         at += 1
-    return at
-
-
-def print_wide(whole: Whole, limbs: Whole, times: Floats, powers: Words, out: Bytes) -> int:
-    """The same with wide whole numbers (R, C, W) after those of 64 bits."""
-    at, bits = 0, times.view(np.uint64)
-    figures = np.zeros((5 * limbs.shape[2] + 1, 2), np.uint64)
-    for row in range(len(whole)):
-        for column in range(whole.shape[1]):
-            at = put_whole(out, at, whole[row, column])
-            out[at] = 44
-            at += 1
-        for column in range(limbs.shape[1]):
-            at = put_wide(out, at, limbs[row, column], figures)
-            out[at] = 44
-            at += 1
-        if len(times):
-            at = put_float(out, at, times[row], bits[row], powers)
-            if at < 0:
-                return -1
-            at += 1
-        out[at - 1] = 10
     return at
 
 

@@ -142,23 +142,38 @@ def scan_decimal(text: Bytes, at: int, powers: Words) -> tuple[Any, int]:
     return found | sign, at if found != 0 else -1
 
 
-def scan_whole(
-    text: Bytes, columns: int, timed: bool, powers: Words, whole: Whole, bits: Words
+def scan_rows(
+    text: Bytes,
+    timed: bool,
+    powers: Words,
+    whole: Whole,
+    limbs: NDArray[np.uint64],
+    bits: Words,
 ) -> int:
-    """Rows of whole numbers of up to 64 bits, and of a decimal after them if `timed`.
+    """Rows of whole numbers of 64 bits, then of wide ones, and of a decimal if `timed`.
+
+    Args:
+        text: whole lines.
+        timed: whether a decimal ends each.
+        powers: of `decimals.lower_powers`.
+        whole: (R, C), filled.
+        limbs: (R, D, W), filled in two's complement, lowest first; what is wider is refused.
+        bits: (R,) of the decimals' floats, filled if `timed`.
 
     Returns:
         The number of rows; -1 if the text is not plain.
     """
     at, row, end = 0, 0, len(text)
+    narrow, columns = whole.shape[1], whole.shape[1] + limbs.shape[1]
     while at < end:
         for column in range(columns):
             if at >= end:
                 return -1
-            whole[row, column], at = scan_word(text, at)
-            if at < 0:
-                return -1
-            if text[at] != (44 if timed or column < columns - 1 else 10):
+            if column < narrow:
+                whole[row, column], at = scan_word(text, at)
+            else:
+                at = _scan_limbs(text, at, limbs[row, column - narrow])
+            if at < 0 or text[at] != (44 if timed or column < columns - 1 else 10):
                 return -1
             at += 1
         if timed:
@@ -187,44 +202,6 @@ def longest(text: Bytes) -> int:
             most = max(most, at - begin)
             begin = at + 1
     return most
-
-
-def scan_wide(
-    text: Bytes,
-    timed: bool,
-    powers: Words,
-    whole: Whole,
-    limbs: NDArray[np.uint64],
-    bits: Words,
-) -> int:
-    """Rows of two whole numbers of 64 bits, then wide ones, and of a decimal if `timed`.
-
-    Args:
-        text, timed, powers, bits: as `scan_whole`.
-        whole: (R, 2), filled.
-        limbs: (R, C, W), filled in two's complement, lowest first; what is wider is refused.
-
-    Returns:
-        The number of rows; -1 if the text is not plain.
-    """
-    at, row, end, columns = 0, 0, len(text), 2 + limbs.shape[1]
-    while at < end:
-        for column in range(columns):
-            if at >= end:
-                return -1
-            if column < 2:
-                whole[row, column], at = scan_word(text, at)
-            else:
-                at = _scan_limbs(text, at, limbs[row, column - 2])
-            if at < 0 or text[at] != (44 if timed or column < columns - 1 else 10):
-                return -1
-            at += 1
-        if timed:
-            at = _scan_last(text, at, powers, row, bits)
-            if at < 0:
-                return -1
-        row += 1
-    return row
 
 
 def _scan_limbs(text: Bytes, at: int, limbs: NDArray[np.uint64]) -> int:

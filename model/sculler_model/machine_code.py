@@ -1,0 +1,57 @@
+"""Functions compiled by Numba (the extra `fast`), and kept by it on disk between processes.
+
+They are plain Python without it.  Importing this module does not import Numba.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from hashlib import sha256
+from inspect import getsource
+from types import FunctionType, ModuleType
+from typing import Any
+
+
+def callable_when_compiled(*modules: ModuleType, **options: Any) -> None:
+    """Let compiled functions call all functions that the modules define.
+
+    Args:
+        modules: theirs.
+        options: of Numba, for these functions.
+
+    Raises:
+        ImportError: Numba is missing.
+    """
+    from numba.extending import register_jitable
+
+    made_callable = register_jitable(**options) if options else register_jitable
+    for module in modules:
+        for function in vars(module).values():
+            if isinstance(function, FunctionType) and function.__module__ == module.__name__:
+                made_callable(function)
+
+
+def compiled(function: Callable[..., Any], *sources: ModuleType, **options: Any) -> Any:
+    """The function in machine code, made at its first call for each type of its arguments.
+
+    Compiling takes some seconds; what was made is kept on disk.
+
+    Args:
+        function: in Python that Numba takes.
+        sources: modules, other than its own, whose functions it calls.  Numba sees a change of the
+            function's own file only, and cannot read what it kept of types that are gone: with the
+            others' text in its name the code of another version has a file of its own.
+        options: of Numba, for this function.
+
+    Raises:
+        ImportError: Numba is missing.
+    """
+    from numba import njit
+
+    if sources:
+        key = sha256("".join(map(getsource, sources)).encode()).hexdigest()[:16]
+        function.__qualname__ = f"{function.__name__}_{key}"
+    try:
+        return njit(cache=True, **options)(function)
+    except RuntimeError:  # there is nowhere to keep it: compiled anew in every process
+        return njit(**options)(function)
