@@ -2,6 +2,7 @@
 
 import pytest
 
+from sculler_hdl.export.rtlil_text import read_modules
 from sculler_hdl.export.rtlil_widths import equal_widths, top_bit
 
 WIDTHS = {"\\a": 4, "\\b": 9, "\\v[0]": 5, "$1": 7}
@@ -52,8 +53,14 @@ end
 """
 
 
+def widened(text):
+    (module,) = read_modules(text).values()
+    equal_widths(module)
+    return module.text()
+
+
 def test_sum_is_cut_to_what_is_read_and_operands_fill_it():
-    out = equal_widths(MODULE)
+    out = widened(MODULE)
     assert "  wire width 9 $1\n" in out
     assert "    connect \\A { \\a [3] \\a [3] \\a [3] \\a [3] \\a [3] \\a }\n" in out
     assert "    connect \\B \\b\n" in out
@@ -61,18 +68,18 @@ def test_sum_is_cut_to_what_is_read_and_operands_fill_it():
 
 
 def test_sum_read_whole_keeps_its_width():
-    out = equal_widths(MODULE.replace("$1 [8:1]", "{ $1 [9:8] $1 [5:0] }"))
+    out = widened(MODULE.replace("$1 [8:1]", "{ $1 [9:8] $1 [5:0] }"))
     assert "  wire width 10 $1\n" in out
     assert "    connect \\B { \\b [8] \\b }\n" in out
 
 
 def test_unsigned_operands_are_filled_with_zeros():
-    out = equal_widths(MODULE.replace("\\A_SIGNED 1", "\\A_SIGNED 0"))
+    out = widened(MODULE.replace("\\A_SIGNED 1", "\\A_SIGNED 0"))
     assert "    connect \\A { 1'0 1'0 1'0 1'0 1'0 \\a }\n" in out
 
 
 def test_logic_not_becomes_a_comparison_with_zero():
-    out = equal_widths(MODULE)
+    out = widened(MODULE)
     assert "  cell $eq $n\n" in out
     assert "    connect \\B 4'0000\n" in out
     assert "$logic_not" not in out

@@ -17,11 +17,11 @@ import hashlib
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from sculler_hdl.export.rtlil_text import (
     Cell,
     Module,
-    Wire,
     renamed,
 )
 from sculler_hdl.export.unread import without_unread
@@ -140,17 +140,10 @@ def _renamed(
     def changed(signal: str) -> str:
         return renamed(signal, signals.__getitem__)
 
-    wires = {
-        signals[name]: Wire(wire.width, wire.direction, place, wire.signed, wire.init)
-        for place, (name, wire) in enumerate(
-            sorted(module.wires.items(), key=lambda each: each[1].place or 1 << 30)
-        )
-    }
-    place = 0
-    for wire in wires.values():
-        if wire.direction:
-            place += 1
-            wire.place = place
+    ports_first = sorted(module.wires.items(), key=lambda each: each[1].place or 1 << 30)
+    wires = {signals[name]: replace(wire) for name, wire in ports_first}
+    for place, wire in enumerate((wire for wire in wires.values() if wire.direction), start=1):
+        wire.place = place
     made = Module(module.name, wires)
     taken = {name[1:].lower() for name in wires}
     number = 0

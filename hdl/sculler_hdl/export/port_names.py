@@ -14,7 +14,7 @@ import re
 from collections.abc import Mapping, Set
 from dataclasses import dataclass, field
 
-from sculler_hdl.export.rtlil_text import Bit, bits_in
+from sculler_hdl.export.rtlil_text import Bit, bits_in, renamed
 
 _MODULE = re.compile(r"^module (?P<name>\S+)\n.*?^end$", re.M | re.S)
 _WIRE = re.compile(
@@ -26,7 +26,6 @@ _ALIAS = re.compile(r"^connect (?P<name>\S+) (?P<of>.+)$", re.M)
 _CELL = re.compile(r"^  cell (?P<kind>\S+) \S+\n.*?^  end$", re.M | re.S)
 _CONNECTION = re.compile(r"^    connect (?P<port>\S+) (?P<signal>.+)\n", re.M)
 _LINE = re.compile(r"^(  cell .*|    parameter .*|    connect \S+ |)(.*)$", re.M)
-_SIGNAL = re.compile(r"[\\$]\S+")
 
 
 @dataclass
@@ -113,7 +112,7 @@ def _renamed(module: str, names: Mapping[str, str]) -> str:
     """A module with other names for its signals; cells, their ports and parameters keep theirs."""
 
     def line(found: re.Match[str]) -> str:
-        return found[1] + _SIGNAL.sub(lambda name: names.get(name[0], name[0]), found[2])
+        return found[1] + renamed(found[2], lambda name: names.get(name, name))
 
     return _LINE.sub(line, module)
 

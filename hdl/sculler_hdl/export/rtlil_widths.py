@@ -2,7 +2,7 @@
 
 Verilog gives ``a + b`` the width of what it is assigned to and extends or cuts without a word;
 linters ask that this be written.  This pass rewrites the additions, subtractions and comparisons
-of a flat RTLIL module so that both operands and the result are equally wide:
+of a module so that both operands and the result are equally wide:
 
 * a sum whose top bits nobody reads loses them (it is exact modulo 2^width all the same),
 * narrower operands are extended by their sign, or by zeros.
@@ -13,125 +13,86 @@ by the operands' widths, and linters accept them.
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+
+from sculler_hdl.export.rtlil_text import Cell, Module, pieces, slice_of
 
 _SUMS = ("$add", "$sub")
 _COMPARISONS = ("$eq", "$ne", "$lt", "$le", "$gt", "$ge")
-
-_WIRE = re.compile(
-    r"^  wire(?: width (?P<width>\d+))?(?P<rest>(?: \w+(?: \d+)?)*?) (?P<name>[\\$]\S+)$", re.M
-)
-_USE = re.compile(r"(?P<name>[\\$]\S+)(?: \[(?P<high>\d+)[:\]])?")
+_RESULT = "\\Y"
 
 
-@dataclass
-class _Cell:
-    """One cell of the module, as its lines say it."""
-
-    kind: str
-    name: str
-    parameters: dict[str, int] = field(default_factory=dict)
-    connections: dict[str, str] = field(default_factory=dict)
-
-    @classmethod
-    def parse(cls, lines: list[str]) -> _Cell:
-        _, kind, name = lines[0].split()
-        cell = cls(kind, name)
-        for line in lines[1:-1]:
-            if match := re.match(r"    parameter(?: signed)? \\(\w+) (\d+)$", line):
-                cell.parameters[match[1]] = int(match[2])
-            elif match := re.match(r"    connect \\(\w+) (.*)$", line):
-                cell.connections[match[1]] = match[2]
-        return cell
-
-    def lines(self) -> list[str]:
-        return [
-            f"  cell {self.kind} {self.name}",
-            *(f"    parameter \\{name} {value}" for name, value in self.parameters.items()),
-            *(f"    connect \\{name} {value}" for name, value in self.connections.items()),
-            "  end",
-        ]
-
-
-def equal_widths(rtlil: str) -> str:
-    """Return the flat module with every addition, subtraction and comparison at one width.
+def equal_widths(module: Module) -> None:
+    """Put every addition, subtraction and comparison of a module at one width.
 
     ``$logic_not`` of several bits becomes a comparison with 0.
     """
-    widths = {match["name"]: int(match["width"] or 1) for match in _WIRE.finditer(rtlil)}
-    needed = _needed_widths(rtlil, widths)
-
-    def rewrite(match: re.Match[str]) -> str:
-        lines = match[0].splitlines()
-        if lines[0].split()[1] not in (*_SUMS, "$mul", *_COMPARISONS, "$logic_not"):
-            return match[0]
-        cell = _Cell.parse(lines)
-        _equalise(cell, widths, needed)
-        return "\n".join(cell.lines()) + "\n"
-
-    def declare(match: re.Match[str]) -> str:
-        width = needed.get(match["name"])
-        if width is None:
-            return match[0]
-        return f"  wire width {width}{match['rest']} {match['name']}"
-
-    return _WIRE.sub(declare, re.sub(r"^  cell .*?^  end\n", rewrite, rtlil, flags=re.M | re.S))
+    widths = module.widths
+    needed = _needed_widths(module, widths)
+    for cell in module.cells.values():
+        if cell.kind in (*_SUMS, "$mul", *_COMPARISONS, "$logic_not"):
+            _equalise(cell, widths, needed)
+    for name, width in needed.items():
+        module.wires[name].width = width
 
 
-def _needed_widths(rtlil: str, widths: dict[str, int]) -> dict[str, int]:
+def _needed_widths(module: Module, widths: Mapping[str, int]) -> dict[str, int]:
     """How many low bits of each sum's result wire are read, for those not read whole."""
-    sums: set[str] = set()
+    sums = {cell.connections[_RESULT] for cell in module.cells.values() if _is_sum(cell)}
     read: dict[str, int] = {}
-    kind = ""
-    for line in rtlil.splitlines():
-        if line.startswith("  cell "):
-            kind = line.split()[1]
-        elif line.startswith("    connect \\Y ") and kind in (*_SUMS, "$mul"):
-            sums.add(line.split(maxsplit=2)[2])
-        elif line.lstrip().startswith("connect "):
-            _, first, rest = line.split(maxsplit=2)
-            # inside a cell the first word is a port name, outside it is a signal
-            for match in _USE.finditer(rest if line.startswith("    ") else f"{first} {rest}"):
-                name = match["name"]
-                if name in widths:
-                    top = int(match["high"]) if match["high"] else widths[name] - 1
-                    read[name] = max(read.get(name, 0), top + 1)
+    for signal in _others(module):
+        for name, low, width in pieces(signal, widths):
+            if name in widths:
+                read[name] = max(read.get(name, 0), low + width)
     return {name: read[name] for name in sums & read.keys() if read[name] < widths[name]}
 
 
-def _equalise(cell: _Cell, widths: dict[str, int], needed: dict[str, int]) -> None:
+def _is_sum(cell: Cell) -> bool:
+    return cell.kind in (*_SUMS, "$mul")
+
+
+def _others(module: Module) -> Iterator[str]:
+    """All signals but the results of sums and products."""
+    for cell in module.cells.values():
+        for port, signal in cell.connections.items():
+            if port != _RESULT or not _is_sum(cell):
+                yield signal
+    for pair in module.connections:
+        yield from pair
+
+
+def _equalise(cell: Cell, widths: Mapping[str, int], needed: Mapping[str, int]) -> None:
     parameters, connections = cell.parameters, cell.connections
     if cell.kind == "$logic_not":
         cell.kind = "$eq"
-        bits = parameters["A_WIDTH"]
-        parameters |= {"A_SIGNED": 0, "B_SIGNED": 0, "B_WIDTH": bits}
-        connections["B"] = f"{bits}'{'0' * bits}"
-    if cell.kind in (*_SUMS, "$mul"):
-        width = parameters["Y_WIDTH"] = needed.get(connections["Y"], parameters["Y_WIDTH"])
+        bits = int(parameters["\\A_WIDTH"])
+        parameters |= {"\\A_SIGNED": "0", "\\B_SIGNED": "0", "\\B_WIDTH": str(bits)}
+        connections["\\B"] = f"{bits}'{'0' * bits}"
+    if _is_sum(cell):
+        width = needed.get(connections[_RESULT], int(parameters["\\Y_WIDTH"]))
+        parameters["\\Y_WIDTH"] = str(width)
         if cell.kind == "$mul":
             return
     else:
-        width = max(parameters["A_WIDTH"], parameters["B_WIDTH"])
-    signed = parameters["A_SIGNED"] and parameters["B_SIGNED"]
+        width = max(int(parameters[f"\\{port}_WIDTH"]) for port in "AB")
+    signed = all(parameters[f"\\{port}_SIGNED"] == "1" for port in "AB")
     for port in "AB":
-        missing = width - parameters[f"{port}_WIDTH"]
+        missing = width - int(parameters[f"\\{port}_WIDTH"])
         if missing > 0:
-            fill = top_bit(connections[port], widths) if signed else "1'0"
-            connections[port] = f"{{ {' '.join([fill] * missing)} {connections[port]} }}"
-            parameters[f"{port}_WIDTH"] = width
+            signal = connections[f"\\{port}"]
+            fill = top_bit(signal, widths) if signed else "1'0"
+            connections[f"\\{port}"] = f"{{ {' '.join([fill] * missing)} {signal} }}"
+            parameters[f"\\{port}_WIDTH"] = str(width)
 
 
-def top_bit(sigspec: str, widths: dict[str, int]) -> str:
+def top_bit(signal: str, widths: Mapping[str, int]) -> str:
     """The most significant bit of an RTLIL signal expression, itself as an expression.
 
     Args:
-        sigspec: a wire, a slice, a constant or a concatenation (most significant part first).
+        signal: a wire, a slice, a constant or a concatenation (most significant part first).
         widths: widths of the module's wires.
     """
-    first, *rest = (word for word in sigspec.split() if word not in "{}")
-    if "'" in first:
-        return f"1'{first.partition(chr(39))[2][0]}"
-    if rest and rest[0].startswith("["):
-        return f"{first} [{rest[0][1:-1].partition(':')[0]}]"
-    return f"{first} [{widths[first] - 1}]"
+    name, low, width = pieces(signal, widths)[-1]
+    if name not in widths:  # a constant
+        return f"1'{name[0]}"
+    return slice_of(name, low + width - 1, 1, widths[name])

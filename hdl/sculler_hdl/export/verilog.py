@@ -9,16 +9,19 @@ the text (`rtlil_widths`), and wires that nothing reads are gone.
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import re
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 
+from amaranth.back import rtlil
+
 from sculler_hdl.core import Core, build_core
-from sculler_hdl.export.conversion import rare_collection, to_rtlil
 from sculler_hdl.export.hierarchy import plain_modules
 from sculler_hdl.export.manifest import Manifest, make_manifest, module_ports
 from sculler_hdl.export.parts import Elaborated, Part
@@ -62,7 +65,7 @@ def generate(design: Design) -> Generated:
         ToolError: Yosys failed.
     """
     ports = module_ports(design)
-    with rare_collection():
+    with _rare_collection():
         core = build_core(design)
         modules = _modules(core, [port.name for port in ports])
     verilog = wrapped("\n".join([_header(design, core.timing, ports), *modules, _END]))
@@ -71,11 +74,29 @@ def generate(design: Design) -> Generated:
     return Generated(verilog, manifest, _cells(verilog), vhdl(design.name, ports), core.listing)
 
 
+_ALLOCATIONS = 10_000  # between two looks at the newest objects; old ones are not looked at again
+
+
+@contextmanager
+def _rare_collection() -> Iterator[None]:
+    """Garbage is looked for among new objects only.
+
+    Amaranth makes each net an object, of which a large core has a million, and nearly all stay
+    until the text is done; to look through all of them again and again takes a third of the time.
+    """
+    before = gc.get_threshold()
+    gc.set_threshold(_ALLOCATIONS, 1000, 1000)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
+
+
 def _modules(core: Core, ports: Sequence[str]) -> list[str]:
     """The text of each module, the core's first."""
     name, initial = core.design.name, core.design.has_initial_values
     elaborated = Elaborated(core)
-    text = to_rtlil(elaborated, name)
+    text = rtlil.convert(elaborated, name=name, emit_src=False)
     places = elaborated.parts(name)
     parts = {  # where a signal has a part's name, Amaranth adds a number to that of the part
         module: places.get(re.sub(r"\$\d+", "", module[1:]), Part("memory", frozenset(), ()))
@@ -84,7 +105,9 @@ def _modules(core: Core, ports: Sequence[str]) -> list[str]:
     text = with_signature_names(text, {path: part.members for path, part in parts.items()})
     kinds = {path: part.kind for path, part in parts.items()}
     plain, first = plain_modules(read_modules(_yosys(_PREPARE, text, name)), f"\\{name}", kinds)
-    text = "".join(equal_widths(module.text()) for module in plain.values())
+    for module in plain.values():
+        equal_widths(module)
+    text = "".join(module.text() for module in plain.values())
     written = read_verilog(_yosys(_WRITE, text, name))
     found = []
     for each in plain:

@@ -75,9 +75,8 @@ def tidy(
         if kind in ("input", "output"):
             heads[name] = f"{kind} {width}{name}"
         elif name in heads:
-            heads[name] = heads[name].replace(
-                "output ", "output reg " if kind == "reg" else "output "
-            )
+            if kind == "reg":
+                heads[name] = heads[name].replace("output ", "output reg ")
         elif declared["words"]:
             registers.append(f"  (* no_rw_check *) reg {width}{name}{declared['words']};")
         else:
