@@ -226,7 +226,7 @@ class FastModel:
         """Fill in the results of some major intervals."""
         span, history = self.design.samples_per_major, self._arithmetic.history
         begin, end = first * span, last * span + history
-        if rows.counts.dtype.kind == "u":  # the greatest would wrap
+        if not np.can_cast(rows.counts.dtype, np.int64):  # the greatest would wrap
             self._check_rows(rows, begin, end)
         narrow = np.can_cast(rows.counts.dtype, np.int32)
         block = rows[begin:end].astype(np.int32 if narrow else np.int64, copy=False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -121,14 +121,14 @@ def _none_yet(majors: int) -> MajorIncrements:
 def _scaled(design: Design, block: VectorBlock) -> MajorIncrements:
     """φ, α and ΔV_SF, in numpy."""
     phi, alpha, dv_sf = (np.empty((len(block), 3)) for _ in range(3))
-    *_, coning, sculling = _units(design)
+    units = _units(design)
     for first in range(0, len(block), PART):
         part = slice(first, first + PART)
         some = block[part]
-        alpha[part], upsilon = _sums(design, some)
-        phi[part] = alpha[part] + coning * _correction(design, some, "coning")
+        alpha[part], upsilon = _sums(some, units)
+        phi[part] = alpha[part] + units.coning * _correction(some, "coning", units)
         turned = upsilon + velocity_rotation(alpha[part], upsilon)
-        dv_sf[part] = turned + sculling * _correction(design, some, "sculling")
+        dv_sf[part] = turned + units.sculling * _correction(some, "sculling", units)
     return MajorIncrements(phi, alpha, dv_sf, status=block.status, times=block.times)
 
 
@@ -162,13 +162,13 @@ def _fill(design: Design, block: VectorBlock, found: MajorIncrements) -> None:
 def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
     """φ, α, ΔV_SF and ΔR_SF of a design with high-resolution position."""
     g, a, T = design.gyro_scale, design.accel_scale, design.sample_interval
-    increments = _scaled(design, block)
-    alpha, upsilon = _sums(design, block)
+    increments, units = _scaled(design, block), _units(design)
+    alpha, upsilon = _sums(block, units)
     s_alpha = block.vector("s_alpha").astype(np.float64) * (g * T / S_DENOMINATOR)
     s_upsilon = block.vector("s_nu").astype(np.float64) * (a * T / S_DENOMINATOR)
     scrolling = block.vector("scrolling").astype(np.float64)
     scrolling *= a * g * T / SCROLLING_DENOMINATOR
-    sculling = a * g * _correction(design, block, "sculling")
+    sculling = units.sculling * _correction(block, "sculling", units)
     higher = velocity_higher_orders(alpha, sculling, scrolling, design.major_interval)
     return replace(
         increments,
@@ -177,16 +177,29 @@ def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
     )
 
 
-def _units(design: Design) -> tuple[float, ...]:
-    """Of alpha and nu; the denominators within and between; of coning and sculling."""
+class _Units(NamedTuple):
+    """Scales, and what corrections within and between minor intervals stand over.
+
+    Those of alpha (rad) and nu (m/s) are of a count, those of coning and sculling of a count².
+    """
+
+    alpha: float
+    nu: float
+    within: float
+    between: float
+    coning: float
+    sculling: float
+
+
+def _units(design: Design) -> _Units:
     g, a, table = design.gyro_scale, design.accel_scale, design.table
-    return (
-        g / table.sum_denominator,
-        a / table.sum_denominator,
-        float(table.denominator),
-        float(2 * table.sum_denominator**2),
-        g * g,
-        a * g,
+    return _Units(
+        alpha=g / table.sum_denominator,
+        nu=a / table.sum_denominator,
+        within=float(table.denominator),
+        between=float(2 * table.sum_denominator**2),
+        coning=g * g,
+        sculling=a * g,
     )
 
 
@@ -196,7 +209,7 @@ def uncorrected(design: Design, block: VectorBlock) -> MajorIncrements:
     It sees only the sums: φ = α, and ΔV_SF = υ + ΔV_rot(α, υ), since the rotation compensation
     needs no more than the sums either.
     """
-    alpha, upsilon = _sums(design, block)
+    alpha, upsilon = _sums(block, _units(design))
     dv_sf = upsilon + velocity_rotation(alpha, upsilon)
     return MajorIncrements(alpha, alpha, dv_sf, status=block.status, times=block.times)
 
@@ -207,28 +220,26 @@ def second_order_corrections(design: Design, block: VectorBlock) -> tuple[Array,
     What ``½ ∫ α×ω`` and ``½ ∫ (α×f + υ×ω)`` from the first interval's start to the last one's end
     come to: the intervals' own, and between them as between minor intervals (Savage-20 Eq. 5).
     """
-    alpha, upsilon = _sums(design, block)
+    units = _units(design)
+    alpha, upsilon = _sums(block, units)
     before = np.cumsum(alpha, axis=0) - alpha, np.cumsum(upsilon, axis=0) - upsilon
     coning = 0.5 * np.cross(before[0], alpha)
     sculling = 0.5 * (np.cross(before[0], upsilon) + np.cross(before[1], alpha))
-    g, a = design.gyro_scale, design.accel_scale
-    coning += g * g * _correction(design, block, "coning")
-    sculling += a * g * _correction(design, block, "sculling")
+    coning += units.coning * _correction(block, "coning", units)
+    sculling += units.sculling * _correction(block, "sculling", units)
     return coning.sum(axis=0), sculling.sum(axis=0)
 
 
-def _sums(design: Design, block: VectorBlock) -> tuple[Array, Array]:
+def _sums(block: VectorBlock, units: _Units) -> tuple[Array, Array]:
     """α (rad) and υ (m/s), each (R, 3)."""
-    weight_unit = design.table.sum_denominator
-    alpha = block.vector("alpha").astype(np.float64) * (design.gyro_scale / weight_unit)
-    upsilon = block.vector("nu").astype(np.float64) * (design.accel_scale / weight_unit)
+    alpha = block.vector("alpha").astype(np.float64) * units.alpha
+    upsilon = block.vector("nu").astype(np.float64) * units.nu
     return alpha, upsilon
 
 
-def _correction(design: Design, block: VectorBlock, name: str) -> Array:
+def _correction(block: VectorBlock, name: str, units: _Units) -> Array:
     """Within plus between, (R, 3), in counts²."""
-    table = design.table
-    within = block.vector(f"{name}_within").astype(np.float64) / table.denominator
-    between = block.vector(f"{name}_between").astype(np.float64) / (2 * table.sum_denominator**2)
+    within = block.vector(f"{name}_within").astype(np.float64) / units.within
+    between = block.vector(f"{name}_between").astype(np.float64) / units.between
     corrections: Array = within + between
     return corrections
