@@ -250,3 +250,12 @@ def designs(
         "weights": draw(weight.filter(any) | st.none()),
     }
     return make_design("any", n, draw(st.integers(0, n)), minors, widths, **table)
+
+
+@st.composite
+def huge_designs(draw: st.DrawFn) -> Design:
+    """Designs whose coefficients have hundreds of bits."""
+    taps = draw(st.lists(st.integers(-(10**80), 10**80), min_size=1, max_size=6).filter(any))
+    weights = draw(st.lists(st.integers(-(10**60), 10**60), min_size=1, max_size=4).filter(any))
+    bits = draw(st.tuples(st.integers(8, 32), st.integers(8, 32)))
+    return make_design("huge", 3, 1, 4, bits, denominator=1, taps=taps, weights=weights)

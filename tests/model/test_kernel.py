@@ -15,7 +15,7 @@ from sculler_model.design import STATUS_RAIL, Design
 from sculler_model.errors import InputError
 from sculler_model.fast import FastModel, component_limbs, limbs_of
 from sculler_model.fast import model as fast
-from strategies import DESIGNS, make_design, random_counts
+from strategies import DESIGNS, huge_designs, make_design, random_counts
 from tiers import few_of
 
 pytest.importorskip("numba")
@@ -91,16 +91,8 @@ def test_scrolling_at_its_extremes(name: str) -> None:
 
 @pytest.mark.deep
 @settings(max_examples=30, deadline=None)
-@given(
-    taps=st.lists(st.integers(-(10**80), 10**80), min_size=1, max_size=6).filter(any),
-    weights=st.lists(st.integers(-(10**60), 10**60), min_size=1, max_size=4).filter(any),
-    bits=st.tuples(st.integers(8, 32), st.integers(8, 32)),
-    seed=st.integers(0, 2**32),
-)
-def test_equals_golden_for_coefficients_of_hundreds_of_bits(
-    taps: list[int], weights: list[int], bits: tuple[int, int], seed: int
-) -> None:
-    design = make_design("huge", 3, 1, 4, bits, denominator=1, taps=taps, weights=weights)
+@given(design=huge_designs(), seed=st.integers(0, 2**32))
+def test_equals_golden_for_coefficients_of_hundreds_of_bits(design: Design, seed: int) -> None:
     counts = random_counts(design, 40, np.random.default_rng(seed))
     assert_same(FastModel(design, compiled=True).feed(counts), golden(design, counts))
 
