@@ -118,8 +118,8 @@ FAULTS: dict[str, Fault] = {
     ),
     "between": Fault(
         "the host takes coning between minor intervals twice",
-        ".astype(np.float64) / (2 * table.sum_denominator**2)",
-        ".astype(np.float64) / table.sum_denominator**2",
+        "between=float(2 * table.sum_denominator**2),",
+        "between=float(table.sum_denominator**2),",
         ("model/test_host.py",),
     ),
     "bytes": Fault(
