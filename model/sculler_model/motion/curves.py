@@ -32,6 +32,10 @@ class Smooth(Protocol):
     def steepest(self) -> float:
         """A bound on its first derivative: as an angle, the rate of turning, rad/s."""
 
+    @property
+    def rough(self) -> float:
+        """Its highest frequency (rad/s) if it has knots; 0 if it is analytic."""
+
 
 @dataclass(frozen=True)
 class Curve:
@@ -87,6 +91,11 @@ class Curve:
         """A bound on the first derivative in the first second, per s."""
         powers = sum(k * abs(c) for k, c in enumerate(self.powers))
         return powers + sum(abs(amplitude * omega) for amplitude, omega, _ in self.waves)
+
+    @property
+    def rough(self) -> float:
+        """0: it has no knots."""
+        return 0.0
 
 
 ZERO_CURVE = Curve()
@@ -147,6 +156,11 @@ class Spline:
     def steepest(self) -> float:
         """A bound on the first derivative, per s."""
         return float(np.abs(self._differences[1]).max())
+
+    @property
+    def rough(self) -> float:
+        """`highest`: its seventh derivative leaps at every knot."""
+        return self.highest
 
 
 class _Places(NamedTuple):
@@ -239,6 +253,11 @@ class EvenPace:
     def steepest(self) -> float:
         """A bound on the first derivative, m/s."""
         return 1.01 * abs(self.speed)
+
+    @property
+    def rough(self) -> float:
+        """0: it has no knots."""
+        return 0.0
 
     @staticmethod
     def _length(sigma: Array, mean: float, terms: list[tuple[int, complex]]) -> Jet:

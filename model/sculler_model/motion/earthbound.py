@@ -161,6 +161,13 @@ class Motion(Sampled):
         curves = (self.north, self.east, self.up, *self.arm)
         return 2.0 * (spins + waves + max(curve.highest for curve in curves))
 
+    @property
+    def rough(self) -> float:
+        """The same of the curves that have knots; 0 if none has."""
+        curves = (self.north, self.east, self.up, *self.arm)
+        turning = sum(turn.angle.rough for turn in self.turns)
+        return 2.0 * (turning + max(curve.rough for curve in curves))
+
     def _geodetic(self, path: _Path) -> tuple[Array, Array, Array]:
         """Latitude, longitude, and by how much grid north lies east of true north (rad)."""
         assert self.grid is not None

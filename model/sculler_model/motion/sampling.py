@@ -51,35 +51,56 @@ class PanelRule(NamedTuple):
         return many, nodes
 
 
-_PANEL_PHASE, _MOST_PARTS, _AT_ONCE = 0.125, 32, 4096
+_MOST_PARTS, _LONGEST_WAVE, _ROUGH_PHASE, _AT_ONCE = 64, 96.0, 0.125, 4096
 
 
 @lru_cache(maxsize=64)
-def panel_rule(phase: float) -> PanelRule:
+def panel_rule(phase: float, rough: float = 0.0) -> PanelRule:
     """The rule for a motion whose waves turn by so many radians in a sample interval.
 
-    Fast ones get Gauss-Legendre quadrature of every sample.  Slow ones are the same smooth curve
-    over many samples: the polynomial through Gauss-Legendre nodes of a panel of up to 32 samples,
-    at most `_PANEL_PHASE` rad long, is integrated over each of them.  Over a wave of phase λ
-    n nodes leave less than λ^n n!/(2n)! of its amplitude; n is the first that brings it below
-    1e-17.  So short a panel is safe at the knots of a `Spline` too.
+    A panel of one sample is integrated by Gauss-Legendre quadrature.  In a panel of more, up to 64,
+    the polynomial through its Gauss-Legendre nodes is integrated over each of them: over a wave of
+    phase λ n nodes leave less than λ^n n!/(2n)! of its amplitude; n is the first that brings it
+    below 1e-17.  The panel is the one that needs the fewest nodes a sample.
+
+    Args:
+        phase: of the highest frequency in the motion, rad.
+        rough: of the highest frequency in what is no analytic function, rad: a panel then is at
+            most 1/8 rad of it long, which is safe at the knots of a `Spline`.
     """
-    many = 1
-    while many < _MOST_PARTS and 2 * many * phase <= _PANEL_PHASE:
+    nodes, weights = legendre_nodes(phase)
+    best, fewest = 1, len(nodes)
+    many = 2
+    while many <= _MOST_PARTS and many * phase <= _LONGEST_WAVE and many * rough <= _ROUGH_PHASE:
+        count = _panel_nodes(many * phase)
+        if count * best < fewest * many:
+            best, fewest = many, count
         many *= 2
-    if many == 1:
-        nodes, weights = legendre_nodes(phase)
+    if best == 1:
         return PanelRule(nodes, weights[None])
-    wave, n = many * phase, 2
+    return _parts_of_a_panel(best, fewest)
+
+
+def _panel_nodes(wave: float) -> int:
+    """Nodes that are enough for a panel over a wave of so many radians."""
+    n = 2
     while wave and n * log(wave) + lgamma(n + 1) - lgamma(2 * n + 1) > log(1e-17):
         n += 1
-    # Σ_i (2i + 1)/2 P_i(x_k) P_i(x) g_k is 1 at node k and 0 at the others
+    return n
+
+
+def _parts_of_a_panel(many: int, n: int) -> PanelRule:
+    """The polynomial through n Gauss-Legendre nodes, integrated over each of equal parts."""
     nodes, gauss = legendre.leggauss(n)
-    factors = legendre.legvander(nodes, n - 1) * (np.arange(n) + 0.5) * gauss[:, None]
     inner, shares = legendre.leggauss(n // 2 + 1)
     places = (2 * np.arange(many)[:, None] + 1 + inner) / many - 1
-    means = np.einsum("jgi,g->ji", legendre.legvander(places, n - 1), 0.5 * shares)
-    weights = means @ factors.T
+    # Lagrange's polynomials in barycentric form, exact to rounding for any n
+    apart = places[..., None] - nodes
+    met = apart == 0
+    pull = (-1.0) ** np.arange(n) * np.sqrt((1 - nodes * nodes) * gauss)
+    pull = np.where(met.any(-1, keepdims=True), met, pull / np.where(met, 1.0, apart))
+    lagrange = pull / pull.sum(-1, keepdims=True)
+    weights = np.einsum("jgi,g->ji", lagrange, 0.5 * shares)
     return PanelRule(0.5 * (nodes + 1), weights / weights.sum(axis=1, keepdims=True))
 
 
@@ -98,6 +119,11 @@ class Sampled(ABC):
     @abstractmethod
     def highest(self) -> float:
         """A bound on the frequencies (rad/s) that matter in `sensed`."""
+
+    @property
+    def rough(self) -> float:
+        """The same of what in `sensed` is no analytic function of time; 0 if all is."""
+        return 0.0
 
     def increments(self, samples: int, interval: float, first: int = 0) -> Array:
         """Exact integrals of `sensed` over sample intervals.
@@ -161,7 +187,7 @@ class Sampled(ABC):
 
     def _mean(self, first: int, samples: int, interval: float, lead: float = 0.0) -> Array:
         """Means of `sensed` from (i - lead) T to (i + 1 - lead) T, i from `first` on, (N, 6)."""
-        rule = panel_rule(self.highest * interval)
+        rule = panel_rule(self.highest * interval, self.rough * interval)
         many, nodes = rule.shape
         begin = first // many * many  # panels stand still, wherever a chunk begins
         panels = -(-(first + samples - begin) // many)
@@ -173,7 +199,9 @@ class Sampled(ABC):
             t = (number + many * rule.nodes[:, None]) * interval
             values = self.sensed(t.ravel()).reshape(nodes, count, 6)
             total = np.zeros((many, count, 6))
+            share = np.empty_like(total)
             for weights, value in zip(rule.weights.T, values, strict=True):
-                total += weights[:, None, None] * value
+                np.multiply(weights[:, None, None], value, out=share)
+                total += share
             parts.append(total.swapaxes(0, 1).reshape(-1, 6))
         return np.concatenate(parts)[first - begin : first - begin + samples]
