@@ -49,7 +49,7 @@ def _surroundings() -> Iterator[None]:
     Compiled simulators are kept in build/, not in the user's cache; programs speak English.
     """
     import quick_yosys
-    from sculler_hdl.export import verilog
+    from sculler_hdl.export import component
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SCULLER_CACHE", str(CACHE))
@@ -63,7 +63,7 @@ def _surroundings() -> Iterator[None]:
             # Yosys and nextpnr are translated at their first start, and that is kept
             patch.setenv("XDG_CACHE_HOME", str(CACHE / "home"))
         _use_quick_compiler(patch)
-        patch.setattr(verilog, "subprocess", quick_yosys)
+        patch.setattr(component, "subprocess", quick_yosys)
         yield
 
 

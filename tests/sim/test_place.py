@@ -380,7 +380,7 @@ def product_of(bits):
     )
     manifest = replace(generate(small("product")).manifest, ports=ports)
     text = PRODUCT.format(top=bits - 1, top_of_product=2 * bits - 1)
-    return Generated(text, manifest, {}, "", None)
+    return Generated(text, manifest, {}, "", None, {})
 
 
 @pytest.fixture(scope="module")

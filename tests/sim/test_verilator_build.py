@@ -125,9 +125,9 @@ _EMIT = """
 import json, sys
 import quick_yosys
 from sculler_hdl import generate
-from sculler_hdl.export import verilog
+from sculler_hdl.export import component
 from sculler_model.design import Design
-verilog.subprocess = quick_yosys
+component.subprocess = quick_yosys
 for design in json.load(sys.stdin):
     generate(Design.parse(design))
 modules = (module for name, module in sys.modules.items() if name.startswith("sculler"))

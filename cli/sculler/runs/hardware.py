@@ -66,6 +66,7 @@ def texts_of(generated: Generated) -> dict[str, str]:
         f"{name}.vhd": generated.vhdl,
         f"{name}.json": json.dumps(generated.manifest.as_json(), indent=2) + "\n",
         **{f"{cell}.v": text for cell, text in generated.cells.items()},
+        **generated.further,
     }
     if generated.listing is not None:
         texts[f"{name}_schedule.txt"] = generated.listing

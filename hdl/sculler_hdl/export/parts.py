@@ -1,4 +1,4 @@
-"""What a core is made of: each part's place, kind, signature and what it is for."""
+"""What a component is made of: each part's place, kind, signature and what it is for."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import Any
 
 from amaranth import Elaboratable
 from amaranth.hdl import Fragment
+from amaranth.lib import wiring
 
-from sculler_hdl.core import Core
 from sculler_hdl.export.hierarchy import PLAIN_WORDS
 
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a core.
+    """A part of a component.
 
     Attributes:
         kind: its class, in small letters and underscores.
@@ -31,28 +31,28 @@ class Part:
 
 
 class Elaborated(Elaboratable):
-    """A core elaborated once, to be converted, and its parts to be looked at.
+    """A component elaborated once, to be converted, and its parts to be looked at.
 
     Attributes:
-        signature: the core's.
+        signature: the component's.
     """
 
-    def __init__(self, core: Core) -> None:
-        self.signature = core.signature
-        self._core = core
-        self._fragment = Fragment.get(core, None)
+    def __init__(self, component: wiring.Component) -> None:
+        self.signature = component.signature
+        self._component = component
+        self._fragment = Fragment.get(component, None)
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._core, name)
+        return getattr(self._component, name)
 
     def elaborate(self, platform: object) -> Fragment:
         return self._fragment
 
     def parts(self, name: str) -> dict[str, Part]:
-        """The parts below the core by the names Amaranth gives their modules.
+        """The parts below the component by the names Amaranth gives their modules.
 
         Args:
-            name: of the core's module.
+            name: of the component's module.
         """
         return dict(_below(self._fragment, name))
 

@@ -9,12 +9,16 @@ from sculler_model.golden import COUNTER_BITS, PORT_MAJOR_BITS, WORD_BITS
 
 
 class Port(NamedTuple):
-    """A port: its name, its width, whether it holds a signed number, whether it is an output."""
+    """A port: its name, its width, whether it holds a signed number, whether it is an output.
+
+    `told` is what it means, where that does not follow from its name.
+    """
 
     name: str
     bits: int
     signed: bool = False
     output: bool = False
+    told: str = ""
 
     @property
     def declared_signed(self) -> bool:
@@ -29,7 +33,7 @@ class Port(NamedTuple):
     @property
     def meaning(self) -> str:
         """In words, for the manifest and the head of the Verilog."""
-        return _meaning(self.name)
+        return self.told or _meaning(self.name)
 
 
 def clock_ports() -> list[Port]:

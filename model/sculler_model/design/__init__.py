@@ -5,6 +5,7 @@ overflow; `Result` and the column names say what a core hands over each major in
 It imports `algorithms`.
 """
 
+from sculler_model.design.bus import Bus
 from sculler_model.design.design import Design
 from sculler_model.design.hardware import Hardware
 from sculler_model.design.names import RESERVED_WORDS, name_fault
@@ -50,6 +51,7 @@ __all__ = [
     "STATUS_SHORT_HISTORY",
     "VECTORS",
     "ZERO_RANGE",
+    "Bus",
     "Design",
     "Hardware",
     "Interval",

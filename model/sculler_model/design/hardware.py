@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
+from sculler_model.design.bus import Bus
 from sculler_model.schema import Part
 
 
@@ -19,8 +20,10 @@ class Hardware(Part):
         multipliers: multiplier blocks the core may use.  The pipelined core takes as many clocks
             per sample as follow from it, and without it one.  The compact core uses 1 (default)
             or 0.
+        bus: what stands between the core and a host's bus; None: the core's own ports.
         handover: "parallel" shows a whole result at once, "stream" word by word (`stream`); the
-            compact core streams, the pipelined core does what is asked, by default "parallel".
+            compact core streams, the pipelined core does what is asked, by default
+            "parallel".  With a bus both stream.
         overrun: what gives way when results are not taken in time.  "drop-sample", which is the
             default: the sensor is made to wait, and a sample that cannot is lost, which status
             bit 3 tells; "drop-result": the oldest result that waits, which `results_dropped`
@@ -40,6 +43,7 @@ class Hardware(Part):
     multipliers: Annotated[
         int | None, Field(ge=0, le=4096, description="a whole number from 0 to 4096")
     ] = None
+    bus: Annotated[Bus | None, Field(description="a table")] = None
     handover: Annotated[
         Literal["parallel", "stream"] | None,
         Field(description='"parallel" or "stream"', validate_default=True),
@@ -76,6 +80,11 @@ class Hardware(Part):
     @classmethod
     def _handover_fits_core(cls, handover: str | None, info: ValidationInfo) -> str | None:
         compact = info.data.get("core") == "compact"
+        bus = info.data.get("bus") is not None
+        if bus and handover == "parallel":
+            raise ValueError(
+                "not possible with [hardware.bus], which reads the stream: leave it out"
+            )
         if compact and handover == "parallel":
             raise ValueError('not possible with core = "compact", which streams: leave it out')
-        return handover or ("stream" if compact else "parallel")
+        return handover or ("stream" if compact or bus else "parallel")
