@@ -33,9 +33,17 @@ def design_keys(part: str) -> str:
     """The keys of one table of the design file, from its schema."""
     from pydantic_core import PydanticUndefined
 
-    from sculler_model.design import algorithm, design, hardware, options, sensor
+    from sculler_model.design import (
+        algorithm,
+        custom_frame,
+        design,
+        front,
+        hardware,
+        options,
+        sensor,
+    )
 
-    rooms = (design, sensor, algorithm, hardware, options)
+    rooms = (design, sensor, algorithm, hardware, options, front, custom_frame)
     model = next(getattr(room, part) for room in rooms if hasattr(room, part))
     rows = []
     for key, field in model.model_fields.items():

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from sculler_hdl.export.manifest import module_ports as module_ports
     from sculler_hdl.export.verilog import Generated as Generated
     from sculler_hdl.export.verilog import generate as generate
+    from sculler_hdl.plan.front import front_counter_ports as front_counter_ports
+    from sculler_hdl.plan.front import front_ports as front_ports
+    from sculler_hdl.plan.front import pin_ports as pin_ports
     from sculler_hdl.plan.ports import Port as Port
     from sculler_hdl.plan.ports import component_ports as component_ports
     from sculler_hdl.plan.ports import counter_ports as counter_ports
@@ -47,8 +50,11 @@ _PLACES = {
     "component_ports": "plan.ports",
     "counter_ports": "plan.ports",
     "describe_ports": "export.manifest",
+    "front_counter_ports": "plan.front",
+    "front_ports": "plan.front",
     "generate": "export.verilog",
     "module_ports": "export.manifest",
+    "pin_ports": "plan.front",
     "result_ports": "plan.ports",
     "sample_ports": "plan.ports",
     "timing": "plan.timing",
@@ -66,8 +72,11 @@ __all__ = [
     "component_ports",
     "counter_ports",
     "describe_ports",
+    "front_counter_ports",
+    "front_ports",
     "generate",
     "module_ports",
+    "pin_ports",
     "result_ports",
     "sample_ports",
     "timing",

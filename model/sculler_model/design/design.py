@@ -18,6 +18,7 @@ from pydantic import Field, ValidationError, ValidationInfo, field_validator
 
 from sculler_model.algorithms import Made, TapTable, make
 from sculler_model.design.algorithm import Algorithm, recipe_of, require_narrow, tap_table_of
+from sculler_model.design.front import link_of
 from sculler_model.design.hardware import Hardware
 from sculler_model.design.history import reaches, short_samples
 from sculler_model.design.names import name_fault
@@ -27,6 +28,7 @@ from sculler_model.design.result import HIGH_RESOLUTION_VECTORS, VECTORS, column
 from sculler_model.design.sensor import Sensor
 from sculler_model.design.word_lengths import WordLengths, word_lengths
 from sculler_model.errors import InputError
+from sculler_model.front import Link
 from sculler_model.inputs import read_small
 from sculler_model.schema import Part
 
@@ -89,6 +91,17 @@ class Design(Part):
                     " to count once, leave out algorithm.table.weights or position"
                 )
         return algorithm
+
+    @field_validator("hardware")
+    @classmethod
+    def _front_fits_sensor(cls, hardware: Hardware, info: ValidationInfo) -> Hardware:
+        sensor = info.data.get("sensor")
+        if sensor is not None and hardware.front is not None:
+            try:
+                link_of(hardware.front, sensor)
+            except ValueError as error:
+                raise ValueError(f"hardware.front.{error}") from error
+        return hardware
 
     @classmethod
     def load(cls, path: str | Path) -> Design:
@@ -200,6 +213,12 @@ class Design(Part):
     def has_initial_values(self) -> bool:
         """Whether registers and memories have values before the first reset."""
         return self.hardware.initial is not False
+
+    @cached_property
+    def front(self) -> Link | None:
+        """The sensor on its wire, where a front end reads it."""
+        front = self.hardware.front
+        return None if front is None else link_of(front, self.sensor)
 
     @property
     def high_resolution(self) -> bool:

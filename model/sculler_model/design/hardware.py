@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationInfo, field_validator
 
 from sculler_model.design.bus import Bus
+from sculler_model.design.front import Front
 from sculler_model.schema import Part
 
 
@@ -31,6 +32,7 @@ class Hardware(Part):
         initial: whether the text gives registers and memories the values they have before the
             first reset, which is the default.  False leaves them out, for devices and ASICs that
             have none; then nothing means anything until `rst` has been high in one clock.
+        front: the sensor's wire, where a front end reads it; None without one.
     """
 
     core: Annotated[
@@ -55,6 +57,8 @@ class Hardware(Part):
     ] = None
 
     initial: Annotated[bool | None, Field(description="true or false")] = None
+
+    front: Annotated[Front | None, Field(description="a table with sensor and clock_hz")] = None
 
     @field_validator("initial")
     @classmethod
