@@ -35,15 +35,16 @@ def design_keys(part: str) -> str:
 
     from sculler_model.design import (
         algorithm,
+        band,
         custom_frame,
         design,
+        filters,
         front,
         hardware,
-        options,
         sensor,
     )
 
-    rooms = (design, sensor, algorithm, hardware, options, front, custom_frame)
+    rooms = (design, sensor, algorithm, hardware, band, filters, front, custom_frame)
     model = next(getattr(room, part) for room in rooms if hasattr(room, part))
     rows = []
     for key, field in model.model_fields.items():

@@ -45,16 +45,16 @@ def peaks(folder: Path, hours: float, ending: str, told: Callable[[str], None]) 
         for name in ("log", "counts", "truth", "vectors", "rtl", "states")
     )
     foreign = str(folder / "foreign.parquet")
-    seconds = f"{3600 * hours:g}"
+    motion = ["motion", MOTION, "--design", DESIGN, "--duration", f"{3600 * hours:g}"]
+    damped = ["--height-damping", "100"]  # a free vertical channel ends in hours
+    units = ["--gyro-unit", "rad", "--accel-unit", "m/s"]
     jobs = {
-        "motion": ("motion", MOTION, "--design", DESIGN, "--duration", seconds)
-        + ("-o", log, "--truth", truth),
-        "model": ("model", DESIGN, log, "-o", vectors),
-        "simulate": ("simulate", DESIGN, log, "-o", again),
-        "compare": ("compare", vectors, again),
-        "navigate": ("navigate", DESIGN, vectors, "--truth", truth, "-o", states),
-        "convert": ("convert", foreign, "--design", DESIGN, "-o", counts)
-        + ("--gyro-unit", "rad", "--accel-unit", "m/s"),
+        "motion": [*motion, "-o", log, "--truth", truth],
+        "model": ["model", DESIGN, log, "-o", vectors],
+        "simulate": ["simulate", DESIGN, log, "-o", again],
+        "compare": ["compare", vectors, again],
+        "navigate": ["navigate", DESIGN, vectors, "--truth", truth, "-o", states, *damped],
+        "convert": ["convert", foreign, "--design", DESIGN, "-o", counts, *units],
     }
     rows: dict[str, Any] = {}
     for verb, words in jobs.items():
@@ -67,7 +67,7 @@ def peaks(folder: Path, hours: float, ending: str, told: Callable[[str], None]) 
     return rows
 
 
-def _peak(words: tuple[str, ...]) -> float:
+def _peak(words: list[str]) -> float:
     """MB of the largest process of a verb.
 
     Raises:

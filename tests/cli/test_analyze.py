@@ -101,7 +101,7 @@ REFUSALS = {
     ("coning", "--family", "frequency-taylor", "--samples", "17"): "samples",
     ("coning", "--family", "least-squares", "--samples", "3"): "--band belong together",
     ("coning", *FAMILY, "--band", "0", "100"): "give both or none; see 'sculler analyze coning -",
-    ("coning", "--family", "tuned", "--samples", "3"): "algorithm.filter",
+    ("coning", "--family", "tuned", "--samples", "3"): "sensor.filter",
     ("coning", "stim300", "--to", "1200"): "above the Nyquist limit of 1000 Hz",
     ("coning", "stim300", "--from", "1200"): "leaves no band below 1000 Hz",
     ("coning", "stim300", "--half-angle", "0"): "a finite number > 0",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from math import degrees, pi, radians
+from math import degrees, pi, radians, sin
 
 import numpy as np
 import pytest
@@ -30,9 +30,12 @@ from sculler_model.analysis.advice import (
     signed_digit_count,
 )
 from sculler_model.analysis.closed_form import drift_rate
+from sculler_model.analysis.integer_path import rotation_vectors, running_attitude, unquantised
 from sculler_model.analysis.vibration import PROFILES, G, Mount, respond
-from sculler_model.design import Design
+from sculler_model.design import Design, at_another_rate
 from sculler_model.errors import InputError
+from sculler_model.frames import conjugate, rotate
+from sculler_model.motion import Coning
 
 STIM = Design.preset("stim300")
 SHAKEN = Environment(
@@ -156,6 +159,115 @@ def test_small_cones_leave_the_closed_form() -> None:
         found = coning_drift(table, 3, a, omega, 1e-3, kind)  # type: ignore[arg-type]
         closed = drift_rate(table, a, a, omega, 1e-3, kind)  # type: ignore[arg-type]
         assert found == pytest.approx(float(closed), rel=1e-3)
+
+
+# a sensor's filter
+
+AVERAGED = Design.parse(
+    {"preset": "stim300", "sensor": {"filter": {"kind": "digital", "numerator": [0.25] * 4}}}
+)
+"""Each sample is the mean of four increments of half a millisecond."""
+
+
+def drift_of_averages(design: Design, hertz: float) -> float:
+    """°/h that a design makes of coning, 0.1°, whose increments are averaged one by one."""
+    cone = Coning(radians(0.1), 2 * pi * hertz)
+    start = max(1, 4 // design.samples_per_major)  # what has no history yet
+    count = design.samples_per_major * (start + 200)  # whole periods, of 9 and of 10 ms
+    summed = round(2000 / design.sensor.sample_rate_hz)
+    fine = cone.increments(summed * count + 3, 5e-4)
+    mean = (fine[3:] + fine[2:-1] + fine[1:-2] + fine[:-3]) / 4
+    samples = mean.reshape(count, summed, 6).sum(axis=1)
+    phi, _ = unquantised(design, samples)
+    q = running_attitude(phi[start:])[-1:]
+    seconds = len(phi[start:]) * design.major_interval
+    (x, y, z) = rotation_vectors(q)[0]
+    start_time = 5e-4 * 1.5 + start * design.major_interval
+    axis = rotate(tuple(conjugate(cone.attitude(np.array([start_time]))[0])), (0.0, 0.0, 1.0))
+    return float(np.dot((x, y, z), axis)) / seconds * degrees(1) * 3600
+
+
+@pytest.fixture(scope="module")
+def behind_averages() -> dict[str, Candidate]:
+    found = advise(AVERAGED, CONED, Requirement(1.0), most_samples=5, most_history=1, slowest=4)
+    return {candidate.design.name: candidate for candidate in found}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "frequency_taylor_5_0_x1_500hz",
+        "frequency_taylor_4_0_x5_2000hz",
+        "tuned_3_1_x3_1000hz",
+        "tuned_fitted_5_0_x1_500hz",
+    ],
+)
+def test_drift_behind_a_filter_is_that_of_averaged_increments(
+    behind_averages: dict[str, Candidate], name: str
+) -> None:
+    """The averages are taken in time, one by one; the advice knows their response alone."""
+    candidate = behind_averages[name]
+    expected = abs(drift_of_averages(candidate.design, 50.0))
+    assert candidate.drift == pytest.approx(expected, rel=1e-3, abs=3e-5)
+
+
+def test_what_knows_nothing_of_the_filter_meets_no_requirement_that_the_filter_spoils(
+    behind_averages: dict[str, Candidate],
+) -> None:
+    """1 - F² of 98.7 °/h, F the mean of four."""
+    phase = 2 * pi * 50 / 2000
+    mean = sin(2 * phase) / (4 * sin(phase / 2))
+    lost = (1 - mean**2) * 98.7
+    for name, candidate in behind_averages.items():
+        if not name.startswith("tuned"):
+            assert not candidate.meets
+            assert candidate.drift > 0.9 * lost
+    best = next(iter(behind_averages.values()))
+    assert best.meets
+    assert best.drift < 1e-3
+
+
+def test_a_filter_at_another_rate_is_the_same_filter() -> None:
+    stages = [
+        {"kind": "sinc", "width_samples": 4.0, "order": 2},
+        {"kind": "digital", "numerator": [0.25] * 4},
+        {"kind": "analogue", "numerator": [628.0], "denominator": [1.0, 628.0]},
+    ]
+    data = STIM.as_json()
+    whole = Design.parse(data | {"sensor": data["sensor"] | {"filter": stages}})
+    slower = {"filter": at_another_rate(stages, 2000.0, 4), "sample_rate_hz": 500.0}
+    summed = Design.parse(data | {"sensor": data["sensor"] | slower})
+    assert whole.sensor_response is not None
+    assert summed.sensor_response is not None
+    for phase in (0.01, 0.3, 0.7):
+        expected = whole.sensor_response.value(phase)
+        assert summed.sensor_response.value(4 * phase) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_filter_in_two_places_is_refused() -> None:
+    filters = {"filter": {"kind": "sinc"}}
+    with pytest.raises(
+        InputError, match=r"^design: algorithm\.filter: sensor\.filter is given too"
+    ):
+        Design.parse(
+            {"preset": "stim300", "sensor": filters, "algorithm": {"family": "tuned", **filters}}
+        )
+
+
+def test_a_filter_of_before_is_the_sensors() -> None:
+    algorithm = {"family": "tuned", "filter": {"kind": "sinc"}, "samples": 3}
+    old = Design.parse({"preset": "stim300", "algorithm": algorithm})
+    new = Design.parse(
+        {"preset": "stim300", "sensor": {"filter": {"kind": "sinc"}}}
+        | {"algorithm": {"family": "tuned", "samples": 3}}
+    )
+    assert old.table == new.table
+    assert old.sensor_response == new.sensor_response
+    drifts = [
+        [candidate.drift for candidate in advise(design, CONED, Requirement(1.0), most_samples=3)]
+        for design in (old, new)
+    ]
+    assert drifts[0] == drifts[1]
 
 
 # the ranking

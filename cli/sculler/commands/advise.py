@@ -148,8 +148,9 @@ def _columns(table: Table) -> None:
 
 def _cells(candidate: Candidate) -> list[str]:
     algorithm = candidate.design.algorithm
+    fitted = " fitted" if algorithm.match == "least-squares" else ""
     return [
-        algorithm.family,
+        algorithm.family + fitted,
         str(algorithm.samples),
         str(algorithm.history),
         str(algorithm.minors),

@@ -18,7 +18,6 @@ from sculler_model.analysis.vibration import (
     MountResponse,
     Spectrum,
     relative_error,
-    sensor_filter,
 )
 from sculler_model.design import Design
 
@@ -121,7 +120,7 @@ def _left(
     for (name, design), colour in zip(designs.items(), COLOURS * len(designs), strict=False):
         phase = 2 * np.pi * f * design.sample_interval
         share = np.abs(
-            relative_error(design.table, phase, design.sensor.kind, sensor_filter(design))
+            relative_error(design.table, phase, design.sensor.kind, design.sensor_response)
         )
         left = true * share
         axes.loglog(

@@ -41,12 +41,12 @@ class Outcome:
 def of_design(design: Design) -> Outcome:
     """The table of a design."""
     notes: list[str] = []
-    filtered = False
     if design.algorithm.family != "table":
         notes = design.made.report()
-        filtered = bool(design.algorithm.filter)
     # the closed form of the residual knows no filter in the sensor
-    left = [] if filtered else [_residual(design.table, design.sensor.kind)]
+    left = (
+        [] if design.sensor_response is not None else [_residual(design.table, design.sensor.kind)]
+    )
     return Outcome(design.name, design.table, (*left, *notes))
 
 

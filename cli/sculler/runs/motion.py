@@ -138,6 +138,7 @@ class Outcome:
             "full_scale": self.full_scale,
             "truth_every_s": plan.every,
             "truth_rows": plan.truth_rows,
+            "filter_left_out": design.sensor_response is not None,
             "output": str(self.output),
             "truth": str(self.truth),
         }
@@ -167,6 +168,8 @@ class Outcome:
                 f"{found['g_rms']:g} g and {found['rate_deg_per_s_rms']:g} °/s rms an axis,"
                 f" {low:g} to {high:g} Hz, {found['lines']} lines, seed {found['seed']}"
             )
+        if data["filter_left_out"]:
+            shown["filter"] = "left out: these are the samples of a sensor that passes everything"
         return shown | {"wrote": f"{data['output']}, {data['truth']}"}
 
 

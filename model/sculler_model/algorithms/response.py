@@ -274,7 +274,7 @@ class Measured:
             InputError: always.
         """
         raise InputError(
-            "algorithm.filter: a measured response has no power series, so only"
+            "sensor.filter: a measured response has no power series, so only"
             ' match = "least-squares" with a band can use it, and uncompressed cannot'
         )
 

@@ -20,7 +20,6 @@ from math import cos, gcd, isfinite, log2, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.algorithms import Response
 from sculler_model.analysis import closed_form
 from sculler_model.analysis.drift import filtered_residual
 from sculler_model.analysis.integer_path import (
@@ -96,7 +95,7 @@ class Cone(Oscillation):
     def samples(self, design: Design, omega: float, count: int) -> Array:
         """See `Oscillation`."""
         motion, T = Coning(self.half_angle, omega), design.sample_interval
-        response = stated_filter(design)
+        response = design.sensor_response
         if design.sensor.kind == "increment":
             samples = motion.increments(count, T)
         else:
@@ -142,7 +141,7 @@ class Scull(Oscillation):
     def samples(self, design: Design, omega: float, count: int) -> Array:
         """See `Oscillation`."""
         motion, T = Sculling(self.angle, self.force, omega), design.sample_interval
-        response = stated_filter(design)
+        response = design.sensor_response
         gain = 1.0 if response is None else abs(response.value(omega * T))
         if design.sensor.kind == "increment":
             return gain * motion.increments(count, T)
@@ -217,21 +216,13 @@ class Law:
 def drift(design: Design, vibration: Oscillation, hertz: Array) -> Array:
     """Closed-form residual drift (rad/s or m/s²) at frequencies in Hz, computed minus true."""
     omega = 2 * pi * np.asarray(hertz, np.float64)
-    T, kind, response = design.sample_interval, design.sensor.kind, stated_filter(design)
+    T, kind, response = design.sample_interval, design.sensor.kind, design.sensor_response
     if response is None:
         left = closed_form.residual(design.table, omega * T, kind)
     else:
         left = filtered_residual(design.table, omega * T, kind, response)
     result: Array = left * vibration.amplitudes(omega) / (design.table.samples * T)
     return result
-
-
-def stated_filter(design: Design) -> Response | None:
-    """The filter that the samples passed, if the design states one; rates else passed sinc(λ/2)."""
-    if design.algorithm.family == "table":
-        return None
-    response = design.made.balance.response
-    return response if response.stages else None
 
 
 def uncorrected(vibration: Oscillation, hertz: Array) -> Array:
@@ -331,7 +322,7 @@ def law(design: Design, vibration: Oscillation) -> Law:
     (phase, small), (phase2, large) = found
     order = log2(large / small) / log2(phase2 / phase) if large / small > 0 else float("nan")
     exact = None
-    if stated_filter(design) is None:
+    if design.sensor_response is None:
         exact = closed_form.leading_term(design.table, design.sensor.kind)
     # one step of Richardson: the second term is λ² of the first
     power = exact.power if exact else (round(order) if isfinite(order) else 0)

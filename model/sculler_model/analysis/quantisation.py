@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.algorithms import TapTable
-from sculler_model.analysis.frequency import Cone, drift, record, stated_filter
+from sculler_model.analysis.frequency import Cone, drift, record
 from sculler_model.analysis.integer_path import changed
 from sculler_model.design import Design
 from sculler_model.errors import InputError
@@ -138,7 +138,7 @@ def deviation(design: Design, half_angle: float, hertz: float, lsb: float, sampl
         samples: length of the record, whole minor intervals.
     """
     table, phase = design.table, 2 * pi * hertz * design.sample_interval
-    size, response = 2 * sin(half_angle) * sin(phase / 2), stated_filter(design)
+    size, response = 2 * sin(half_angle) * sin(phase / 2), design.sensor_response
     if response is not None:
         unfiltered = size if design.sensor.kind == "increment" else sin(half_angle) * phase
         size = unfiltered * abs(response.value(phase))

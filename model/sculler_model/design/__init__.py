@@ -7,6 +7,7 @@ It imports `algorithms`.
 
 from sculler_model.design.bus import Bus
 from sculler_model.design.design import Design
+from sculler_model.design.filters import at_another_rate
 from sculler_model.design.hardware import Hardware
 from sculler_model.design.names import RESERVED_WORDS, name_fault
 from sculler_model.design.presets import PRESETS
@@ -57,6 +58,7 @@ __all__ = [
     "Interval",
     "Result",
     "WordLengths",
+    "at_another_rate",
     "columns_of",
     "cross_range",
     "name_fault",

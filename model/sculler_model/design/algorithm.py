@@ -13,12 +13,14 @@ from sculler_model.algorithms import (
     TABLES,
     Match,
     Recipe,
+    Response,
     Sum,
     TapTable,
     make,
     rational,
 )
-from sculler_model.design.options import BandTable, FilterTable, response
+from sculler_model.design.band import BandTable
+from sculler_model.design.filters import Filter, response
 from sculler_model.design.result import VECTORS
 from sculler_model.design.sensor import Sensor
 from sculler_model.design.word_lengths import MAX_BITS, word_lengths
@@ -51,7 +53,7 @@ class Algorithm(Part):
         table: the user's own, with family = "table".
         base: what family = "uncompressed" starts from.
         match: how "tuned" is matched.
-        filter: what the samples have passed, stage after stage.
+        filter: `sensor.filter`, as design files of before had it.
         sum: how a rate sensor's sum is formed.
         band: where a fit counts.
         denominator_bits: rounded taps stand over 2 to this.
@@ -86,10 +88,7 @@ class Algorithm(Part):
         Field(description=" or ".join(f'"{base}"' for base in BASES)),
     ] = None
     match: Annotated[Match | None, Field(description='"taylor" or "least-squares"')] = None
-    filter: Annotated[
-        list[FilterTable] | None,
-        Field(description="a table with kind, or several", validate_default=True, max_length=16),
-    ] = None
+    filter: Filter = None
     sum: Annotated[Sum | None, Field(description='"zeng", "newton-cotes" or "plain"')] = None
     band: Annotated[
         BandTable | None,
@@ -146,15 +145,10 @@ class Algorithm(Part):
     def _the_usual_is_left_unsaid(cls, value: str | None) -> str | None:
         return None if value == "trapezoidal" else value
 
-    @field_validator("filter", mode="before")
-    @classmethod
-    def _one_filter_is_a_list(cls, value: Any) -> Any:
-        return [value] if isinstance(value, dict) else value
-
     @field_validator("base", "match", "filter", "sum", "band", "denominator_bits")
     @classmethod
     def _option_fits_family(cls, value: Any, info: ValidationInfo) -> Any:
-        """Options come with the families that use them; a filter or band in use must be there."""
+        """Options come with the families that use them; a band in use must be there."""
         key = info.field_name or ""
         known = ("family", "base", "match")
         earlier = known[: known.index(key)] if key in known else known
@@ -178,10 +172,26 @@ class Algorithm(Part):
             if key == "band" and source == "tuned":
                 how = 'match = "taylor"'
             raise ValueError(f"not used by {how}, leave it out")
-        if value is None and used[key] and key in ("filter", "band"):
+        if value is None and used[key] and key == "band":
             allowed = cls.model_fields[key].description
             raise ValueError(f'missing, "{source}" needs it: give {allowed}')
         return value
+
+
+def sensor_response(sensor: Sensor, algorithm: Algorithm) -> Response | None:
+    """What the samples passed in the sensor; None where nothing is stated.
+
+    Raises:
+        InputError: it stands in two places, or is no filter that a sensor can have.
+    """
+    if sensor.filter is not None and algorithm.filter is not None:
+        raise InputError("algorithm.filter: sensor.filter is given too, leave this one out")
+    rate = rational(sensor.sample_rate_hz)
+    if sensor.filter is not None:
+        return response(sensor.filter, rate, "sensor.filter")
+    if algorithm.filter is not None:
+        return response(algorithm.filter, rate, "algorithm.filter")
+    return None
 
 
 def user_table(table: UserTable, samples: int) -> TapTable:
@@ -235,6 +245,10 @@ def recipe_of(sensor: Sensor, algorithm: Algorithm) -> Recipe:
         raise InputError(
             'algorithm.sum: not used by sensor.kind = "increment", whose samples just add up'
         )
+    passed = sensor_response(sensor, algorithm)
+    tuned = "tuned" in (algorithm.family, algorithm.base)
+    if tuned and passed is None:
+        raise InputError('sensor.filter: missing, "tuned" needs it: give a table with kind')
     return Recipe(
         family=algorithm.family,
         samples=algorithm.samples,
@@ -244,7 +258,7 @@ def recipe_of(sensor: Sensor, algorithm: Algorithm) -> Recipe:
         base=algorithm.base or "frequency-taylor",
         match=match,
         sum=algorithm.sum or usual,
-        response=response(algorithm.filter or [], sample_rate),
+        response=passed if tuned and passed is not None else Response(()),
         band=algorithm.band.exact() if algorithm.band is not None else None,
         denominator_bits=algorithm.denominator_bits,
     )

@@ -16,13 +16,19 @@ from typing import Annotated, Any
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator
 
-from sculler_model.algorithms import Made, TapTable, make
-from sculler_model.design.algorithm import Algorithm, recipe_of, require_narrow, tap_table_of
+from sculler_model.algorithms import Made, Response, TapTable, make
+from sculler_model.design.algorithm import (
+    Algorithm,
+    recipe_of,
+    require_narrow,
+    sensor_response,
+    tap_table_of,
+)
+from sculler_model.design.filters import with_measured_points
 from sculler_model.design.front import link_of
 from sculler_model.design.hardware import Hardware
 from sculler_model.design.history import reaches, short_samples
 from sculler_model.design.names import name_fault
-from sculler_model.design.options import with_measured_points
 from sculler_model.design.reading import fault_of, with_preset
 from sculler_model.design.result import HIGH_RESOLUTION_VECTORS, VECTORS, columns_of, components_of
 from sculler_model.design.sensor import Sensor
@@ -77,6 +83,7 @@ class Design(Part):
         sensor = info.data.get("sensor")
         if sensor is None:
             return algorithm
+        sensor_response(sensor, algorithm)
         table = tap_table_of(sensor, algorithm)
         require_narrow(table, sensor, algorithm)
         if algorithm.position == "high-resolution":
@@ -156,13 +163,16 @@ class Design(Part):
         """
         faults: list[str] = []
         data = with_preset(data, faults, where)
-        algorithm = data.get("algorithm")
-        if isinstance(algorithm, dict) and "filter" in algorithm:
-            try:
-                filters = with_measured_points(algorithm["filter"], folder or Path())
-            except InputError as error:
-                raise InputError(f"{where}: {error}") from error
-            data = {**data, "algorithm": {**algorithm, "filter": filters}}
+        for table in ("sensor", "algorithm"):
+            part = data.get(table)
+            if isinstance(part, dict) and "filter" in part:
+                try:
+                    points = with_measured_points(
+                        part["filter"], folder or Path(), f"{table}.filter"
+                    )
+                except InputError as error:
+                    raise InputError(f"{where}: {error}") from error
+                data = {**data, table: {**part, "filter": points}}
         design = None
         try:
             design = cls.model_validate(data)
@@ -181,6 +191,14 @@ class Design(Part):
     def table(self) -> TapTable:
         """The tap table, exact integers in lowest terms."""
         return tap_table_of(self.sensor, self.algorithm)
+
+    @cached_property
+    def sensor_response(self) -> Response | None:
+        """What the samples passed in the sensor; None where the design states nothing.
+
+        Increments then have passed nothing, and rates a mean over the sample interval, sinc(ΩT/2).
+        """
+        return sensor_response(self.sensor, self.algorithm)
 
     @property
     def made(self) -> Made:

@@ -81,7 +81,8 @@ def fault_of(root: type[BaseModel], details: ErrorDetails) -> tuple[str, str]:
         return name, f"missing, give {allowed}"
     if details["type"] == "value_error":
         fault = str(details["ctx"]["error"])
-        own = re.match(rf"({name}\.[^:]+): (.*)", fault)  # the fault names its key itself
+        # the fault names its key itself
+        own = re.match(rf"((?:{name}|sensor|algorithm)\.[^: ]+): (.*)", fault)
         return (own[1], own[2]) if own else (name, fault)
     return name, f"{_short(details['input'])} is not allowed, give {allowed}"
 

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from sculler_model.design.filters import Filter
 from sculler_model.schema import Part
 
 
@@ -31,6 +32,8 @@ class Sensor(Part):
         kind: "increment" (angle and velocity over each sample interval) or "rate".
         sample_rate_hz: 1/T.
         gyro, accel: their words.
+        filter: what the samples of both have passed, stage after stage; None where nothing is
+            stated: then increments have passed nothing, and rates a mean over the sample interval.
     """
 
     kind: Annotated[Literal["increment", "rate"], Field(description='"increment" or "rate"')]
@@ -39,3 +42,4 @@ class Sensor(Part):
     ]
     gyro: Annotated[Axes, Field(description="a table with bits and lsb")]
     accel: Annotated[Axes, Field(description="a table with bits and lsb")]
+    filter: Filter = None

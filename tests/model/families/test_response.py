@@ -12,7 +12,7 @@ import pytest
 from scipy import signal
 
 from sculler_model.algorithms import Analogue, Digital, Measured, Response, Sinc, Stage, decimals
-from sculler_model.design.options import read_response
+from sculler_model.design.filters import read_response
 from sculler_model.errors import InputError
 
 Q = Fraction
@@ -204,7 +204,7 @@ class TestFile:
     def test_refuses(self, tmp_path: Path, text: str, message: str) -> None:
         file = tmp_path / "r.csv"
         file.write_text(text)
-        with pytest.raises(InputError, match=r"algorithm\.filter\.file: .*r\.csv") as caught:
+        with pytest.raises(InputError, match=r"sensor\.filter\.file: .*r\.csv") as caught:
             read_response(file)
         assert message in str(caught.value)
 

@@ -82,7 +82,8 @@ def command(
 
         manoeuvre_picture(output, data)
         data["picture"] = str(output)
-    terminal.report(data, as_json, _table(data), *options.picture_told(output))
+    told = options.unfiltered_told(*(subject.design for subject in plan.subjects.values()))
+    terminal.report(data, as_json, _table(data), *told, *options.picture_told(output))
 
 
 def _table(data: dict[str, Any]) -> Table:

@@ -76,7 +76,8 @@ def command(design_name: str, as_json: bool, **asked: Any) -> None:
     plan = ThirdOrderPlan(terminal.load_design(design_name), design_name, **asked)
     with terminal.progress("running", len(plan.minors)) as advance:
         data = third_order_study(plan, advance=advance)
-    terminal.report(data, as_json, _table(data, 1e3 * plan.minor_interval))
+    told = options.unfiltered_told(plan.design)
+    terminal.report(data, as_json, _table(data, 1e3 * plan.minor_interval), *told)
 
 
 def _table(data: dict[str, Any], minor_ms: float) -> Table:

@@ -14,6 +14,7 @@ from sculler.commands.options.group import Command, group
 
 if TYPE_CHECKING:
     from sculler.runs.analysis import FrequencyPlan, Kind, Subject
+    from sculler_model.design import Design
 
 REQUIREMENTS = (1.7e-4, 1.7e-5)
 """°/h: for 1 nmph and 0.1 nmph navigation (Savage-20, NEW ATTITUDE ALGORITHM REQUIREMENTS)."""
@@ -153,6 +154,14 @@ def require_picture(output: Path | None) -> None:
 def picture_told(output: Path | None) -> list[str]:
     """The report's line about it."""
     return [] if output is None else [f"picture: {terminal.verbatim(output)}"]
+
+
+def unfiltered_told(*designs: Design) -> list[str]:
+    """The report's line about designs whose sensor's filter the study leaves out."""
+    names = [design.name for design in designs if design.sensor_response is not None]
+    if not names:
+        return []
+    return [f"the sensor's filter is left out of this study: {', '.join(names)}"]
 
 
 def frequency_plan(kind: Kind, options: Mapping[str, Any]) -> FrequencyPlan:

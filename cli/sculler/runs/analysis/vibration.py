@@ -18,7 +18,6 @@ from sculler_model.analysis.vibration import (
     MountResponse,
     Spectrum,
     respond,
-    sensor_filter,
     step_for,
     trial,
 )
@@ -101,7 +100,7 @@ def vibration_study(plan: VibrationPlan, *, advance: Advance = silent) -> Vibrat
 def _of_design(
     plan: VibrationPlan, design: Design, response: MountResponse, advance: Advance
 ) -> dict[str, Any]:
-    sensor = design.sample_interval, design.sensor.kind, sensor_filter(design)
+    sensor = design.sample_interval, design.sensor.kind, design.sensor_response
     found: dict[str, Any] = {
         "sample_rate_hz": design.sensor.sample_rate_hz,
         "model": _errors(response.rectified.errors(design.table, *sensor)),

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from sculler_model.analysis.vibration import Mount, Spectrum, respond
-from sculler_model.design import Design
+from sculler_model.design import Design, at_another_rate
 
 MAX_TURN = 0.05
 """Largest angle (rad) of a major interval: the algorithms are of first order in it (Savage-98 after
@@ -22,6 +22,9 @@ WIDEST_BAND = 0.25
 
 FITTED_BITS = 16
 """Denominator 2^16 of fitted taps."""
+
+TUNED_BITS = 24
+"""Denominator 2^24 of taps that are matched behind a filter, whose exact ones may be long."""
 
 FITTED_POINTS = 24
 """Points of the weight that fits are given."""
@@ -93,10 +96,11 @@ def candidates(
         for n in range(1, most_samples + 1):
             minors = min(max(int(rate / (n * least_hz) * (1 + 1e-12)), 1), 4096)
             for p in range(min(n, most_history) + 1):
-                for family, options in _families(base.sensor.kind, n, p, rate, environment):
+                for family, options in _families(sensor, n, p, environment):
+                    kind = family.replace("-", "_") + "_fitted" * ("match" in options)
                     yield Design.parse(
                         {
-                            "name": f"{family.replace('-', '_')}_{n}_{p}_x{minors}_{rate:.0f}hz",
+                            "name": f"{kind}_{n}_{p}_x{minors}_{rate:.0f}hz",
                             "sensor": sensor,
                             "algorithm": {
                                 "family": family,
@@ -117,21 +121,28 @@ def _factors(base: Design, slowest: int) -> list[int]:
 
 
 def _slower(base: Design, summed: int) -> dict[str, Any]:
-    """The sensor with increments summed; words grow, to 32 bits at most."""
-    sensor: dict[str, Any] = base.as_json()["sensor"]
+    """The sensor with increments summed; words grow, to 32 bits at most, and the filter stays."""
+    data = base.as_json()
+    sensor: dict[str, Any] = data["sensor"]
     for axes in ("gyro", "accel"):
         bits = min(sensor[axes]["bits"] + ceil(log2(summed)), 32)
         sensor[axes] = sensor[axes] | {"bits": bits}
-    return sensor | {"sample_rate_hz": base.sensor.sample_rate_hz / summed}
+    rate = base.sensor.sample_rate_hz
+    # a design file of before has the sensor's filter with the algorithm
+    if passed := sensor.get("filter") or data["algorithm"].get("filter"):
+        sensor = sensor | {"filter": at_another_rate(passed, rate, summed)}
+    return sensor | {"sample_rate_hz": rate / summed}
 
 
 def _families(
-    kind: str, n: int, p: int, rate: float, environment: Environment
+    sensor: dict[str, Any], n: int, p: int, environment: Environment
 ) -> Iterator[tuple[str, dict[str, Any]]]:
     """Families for a sensor, each once where several are the same table."""
-    if kind == "rate":
+    filtered = "filter" in sensor
+    if sensor["kind"] == "rate":
         yield "filtered-rate", {}
-        yield "tuned", {"filter": [{"kind": "sinc"}], "sum": "plain"}
+        # one whose samples passed nothing else took the mean over the sample interval
+        yield "tuned", {"sum": "plain"} | ({} if filtered else {"filter": [{"kind": "sinc"}]})
         return
     if n + p < 2:
         return
@@ -139,9 +150,15 @@ def _families(
     if n + p > 2:  # of two samples all families make the same
         yield "time-taylor", {}
         yield "uncompressed", {}
-    band = fitted_band(rate, environment)
-    if band is not None and p <= 1:
-        yield "least-squares", {"band": band, "denominator_bits": FITTED_BITS}
+    band = fitted_band(sensor["sample_rate_hz"], environment)
+    fit = {"band": band, "denominator_bits": FITTED_BITS}
+    if filtered:
+        if not any(stage["kind"] == "measured" for stage in sensor["filter"]):
+            yield "tuned", {"denominator_bits": TUNED_BITS}
+        if band is not None and p <= 1:
+            yield "tuned", {"match": "least-squares", **fit}
+    elif band is not None and p <= 1:
+        yield "least-squares", fit
 
 
 @lru_cache(maxsize=32)

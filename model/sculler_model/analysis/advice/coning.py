@@ -7,7 +7,7 @@ from math import atan2, cos, pi, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.algorithms import SensorKind, TapTable
+from sculler_model.algorithms import Response, SensorKind, TapTable
 from sculler_model.frames import from_rotation_vector, product
 from sculler_model.motion import Coning
 
@@ -19,6 +19,7 @@ def coning_drift(
     omega: float,
     interval: float,
     kind: SensorKind = "increment",
+    passed: Response | None = None,
 ) -> float:
     """Drift about the axis of classical coning, computed minus true, to all orders (rad/s).
 
@@ -33,7 +34,8 @@ def coning_drift(
         half_angle: rad.
         omega: Ω, rad/s.
         interval: T, s.
-        kind: what the samples are (rates pass sinc(ΩT/2)).
+        kind: what the samples are.
+        passed: the filter they passed; None: increments none, rates sinc(ΩT/2).
     """
     n, reach = table.samples, table.history
     count = n * minors
@@ -41,7 +43,10 @@ def coning_drift(
     if kind == "increment":
         s = motion.increments(count + reach, interval, -reach)[:, :3]
     else:
-        s = motion.rates(count + reach, interval, 1 - reach)[:, :3] * interval
+        rates = motion.rates(count + reach, interval, 1 - reach, filtered=passed is None)
+        s = rates[:, :3] * interval
+    if passed is not None:  # both axes pass it alike, so its phase is only a later start
+        s[:, :2] *= abs(passed.value(omega * interval))
 
     def back(k: int, d: int) -> NDArray[np.float64]:
         """s[t-d] at phase k of every minor interval, (M, 3)."""

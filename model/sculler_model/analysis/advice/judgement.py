@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import degrees, hypot, pi, sin
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,6 @@ from sculler_model.analysis.vibration import (
     MountResponse,
     Rectified,
     respond,
-    sensor_filter,
     step_for,
 )
 from sculler_model.design import Design
@@ -190,15 +188,12 @@ class _Judge:
                 2 * pi * self.environment.hertz,
                 T,
                 kind,
+                design.sensor_response,
             )
             return abs(drift) * PER_HOUR, None
         bound = self._assembly(design).bound
-        left = bound.errors(design.table, T, kind, self._filter(design))
+        left = bound.errors(design.table, T, kind, design.sensor_response)
         return left.coning * PER_HOUR, hypot(*left.sculling.tolist()) / G * 1e6
-
-    def _filter(self, design: Design) -> Any:
-        """Tuned designs here are tuned to sinc, which the closed forms of rates assume anyway."""
-        return None if design.algorithm.family == "tuned" else sensor_filter(design)
 
     def _assembly(self, design: Design) -> _Shaken:
         assert self.environment.spectrum is not None

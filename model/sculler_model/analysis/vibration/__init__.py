@@ -55,7 +55,6 @@ from sculler_model.analysis.vibration.rectified import (
     Rectified,
     relative_error,
     respond,
-    sensor_filter,
     step_for,
 )
 from sculler_model.analysis.vibration.spectrum import PROFILES, SPECTRUM_COLUMNS, Spectrum
@@ -75,7 +74,6 @@ __all__ = [
     "Trial",
     "relative_error",
     "respond",
-    "sensor_filter",
     "step_for",
     "trial",
 ]

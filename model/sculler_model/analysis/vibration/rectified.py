@@ -12,7 +12,6 @@ from sculler_model.algorithms import Response, SensorKind, TapTable
 from sculler_model.analysis import closed_form, drift
 from sculler_model.analysis.vibration.mount import Mount
 from sculler_model.analysis.vibration.spectrum import Spectrum
-from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import STANDARD_GRAVITY
 
@@ -172,14 +171,6 @@ def relative_error(
             )
     share: Array = 2 * left / (table.samples * phase)
     return share
-
-
-def sensor_filter(design: Design) -> Response | None:
-    """The filter that a design's family is tuned to, as `Rectified.errors` takes it."""
-    if design.algorithm.family in ("table", "filtered-rate"):
-        return None
-    passed = design.made.balance.response
-    return passed if passed.stages else None
 
 
 def step_for(samples: int, sample_rate: float) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.analysis.vibration.mount import Mount
-from sculler_model.analysis.vibration.rectified import G, MountResponse, sensor_filter
+from sculler_model.analysis.vibration.rectified import G, MountResponse
 from sculler_model.analysis.vibration.spectrum import Spectrum
 from sculler_model.design import Design
 from sculler_model.fast import FastModel
@@ -120,7 +120,7 @@ def _samples_in_time(
 def _sensor_gain(design: Design, frequency: Array) -> Complex:
     """(L,) what the samples have passed at frequencies (Hz): the design's filter, rates sinc."""
     omega = 2 * np.pi * frequency
-    T, passed = design.sample_interval, sensor_filter(design)
+    T, passed = design.sample_interval, design.sensor_response
     if passed is not None:
         return np.array([passed.value(phase) for phase in (omega * T).tolist()])
     if design.sensor.kind == "rate":

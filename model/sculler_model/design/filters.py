@@ -1,4 +1,4 @@
-"""The design file's [algorithm.band] and [algorithm.filter], as a user with a data sheet has them.
+"""The design file's [sensor.filter]: what the samples have passed in the sensor.
 
 Numbers are taken as the decimals they are written as, so that 0.1 is one tenth and coefficients
 that can be exact are.
@@ -10,120 +10,15 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from sculler_model.algorithms import (
-    Analogue,
-    Band,
-    Digital,
-    Measured,
-    Response,
-    RotaryMode,
-    Sinc,
-    Stage,
-    rational,
-)
+from sculler_model.algorithms import Analogue, Digital, Measured, Response, Sinc, Stage, rational
 from sculler_model.errors import InputError
 from sculler_model.inputs import read_small
 from sculler_model.schema import Part
 
-Positive = Annotated[float, Field(gt=0, description="a number > 0")]
 Numbers = Annotated[list[float], Field(min_length=1, max_length=64)]
 Rows = Annotated[list[list[float]], Field(min_length=2, max_length=10_000)]
-
-
-class MountTable(Part):
-    """An isolator between the vibration and the sensor: its rotary mode."""
-
-    natural_hz: Positive
-    damping: Annotated[float, Field(gt=0, description="a damping ratio > 0")]
-
-
-class BandTable(Part):
-    """Where the residual counts.
-
-    Either low_hz and high_hz alone (every frequency alike), or with `psd` (weights joined by
-    straight lines) or `profile` (a vibration profile's breakpoints, straight on log-log paper),
-    whose ends then are the defaults.
-    """
-
-    psd: Annotated[Rows | None, Field(description="rows [frequency, weight], 2 or more")] = None
-    profile: Annotated[
-        Rows | None, Field(description="rows [frequency, PSD], 2 or more, all > 0")
-    ] = None
-    mount: Annotated[
-        MountTable | None, Field(description="a table with natural_hz and damping")
-    ] = None
-    low_hz: Annotated[float | None, Field(ge=0, description="a number >= 0")] = None
-    high_hz: Annotated[float | None, Field(gt=0, description="a number > 0")] = None
-
-    @field_validator("psd", "profile")
-    @classmethod
-    def _rows_are_a_table(cls, rows: list[list[float]] | None) -> list[list[float]] | None:
-        before = None
-        for number, row in enumerate(rows or ()):
-            if len(row) != 2:
-                raise ValueError(f"row {number} has {len(row)} numbers, give [frequency, value]")
-            frequency, value = row
-            if frequency < 0 or (before is not None and frequency <= before):
-                raise ValueError(
-                    f"row {number}: frequencies must rise from 0 or above, but {frequency:g}"
-                    + (f" follows {before:g}" if before is not None else " is negative")
-                )
-            if value < 0:
-                raise ValueError(f"row {number}: {value:g} at {frequency:g} Hz is negative")
-            before = frequency
-        if rows and not any(value for _, value in rows):
-            raise ValueError("every value is zero, give at least one that is not")
-        return rows
-
-    @field_validator("profile")
-    @classmethod
-    def _profile_fits_log_paper(cls, rows: list[list[float]] | None) -> list[list[float]] | None:
-        for number, (frequency, value) in enumerate(rows or ()):
-            if not frequency or not value:
-                raise ValueError(
-                    f"row {number}: [{frequency:g}, {value:g}] has no place on log-log paper, give"
-                    " numbers > 0"
-                )
-        return rows
-
-    @model_validator(mode="after")
-    def _is_a_band(self) -> BandTable:
-        if self.psd is not None and self.profile is not None:
-            raise ValueError("psd and profile are both given, give one")
-        rows = self.psd or self.profile
-        if rows is None and self.high_hz is None:
-            raise ValueError("high_hz: missing, give a number > 0, or psd or profile")
-        low, high = self._ends()
-        if low >= high:
-            raise ValueError(f"low_hz = {low:g} is not below high_hz = {high:g}")
-        if rows is not None and (low < rows[0][0] or high > rows[-1][0]):
-            raise ValueError(
-                f"{low:g} to {high:g} Hz reaches beyond the table's {rows[0][0]:g} to"
-                f" {rows[-1][0]:g} Hz"
-            )
-        return self
-
-    def _ends(self) -> tuple[float, float]:
-        rows = self.psd or self.profile or [[0.0], [0.0]]
-        low = self.low_hz if self.low_hz is not None else rows[0][0]
-        high = self.high_hz if self.high_hz is not None else rows[-1][0]
-        return low, high
-
-    def exact(self) -> Band:
-        """In rationals."""
-        low, high = self._ends()
-        return Band(
-            rational(low),
-            rational(high),
-            tuple((rational(f), rational(w)) for f, w in self.psd or self.profile or ()),
-            self.profile is not None,
-            RotaryMode(rational(self.mount.natural_hz), rational(self.mount.damping))
-            if self.mount
-            else None,
-        )
-
 
 _FILTER_KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "sinc": ((), ("width_samples", "order")),
@@ -199,8 +94,26 @@ class FilterTable(Part):
         return Measured(frequencies, gains, degrees, sample_rate)
 
 
-def response(filters: list[FilterTable], sample_rate: Fraction) -> Response:
+def _as_list(value: Any) -> Any:
+    """One stage is a list of one."""
+    return [value] if isinstance(value, dict) else value
+
+
+Filter = Annotated[
+    list[FilterTable] | None,
+    BeforeValidator(_as_list),
+    Field(description="a table with kind, or several", max_length=16),
+]
+"""Stage after stage; None where nothing is stated."""
+
+
+def response(filters: list[FilterTable], sample_rate: Fraction, key: str) -> Response:
     """The stages one after another.
+
+    Args:
+        filters: the stages.
+        sample_rate: Hz.
+        key: of the design file, that they stand under.
 
     Raises:
         InputError: naming the key of the stage at fault.
@@ -210,39 +123,64 @@ def response(filters: list[FilterTable], sample_rate: Fraction) -> Response:
         try:
             stages.append(part.stage(sample_rate))
         except InputError as error:
-            name = f"algorithm.filter[{number}]" if len(filters) > 1 else "algorithm.filter"
+            name = f"{key}[{number}]" if len(filters) > 1 else key
             raise InputError(f"{name}: {error}") from error
     return Response(tuple(stages))
 
 
-def with_measured_points(filters: Any, folder: Path) -> Any:
+def at_another_rate(
+    filters: list[dict[str, Any]], rate: float, summed: int
+) -> list[dict[str, Any]]:
+    """The same filter for samples that are sums of this many: what counts in samples is changed.
+
+    Args:
+        filters: stages, as `FilterTable` has them.
+        rate: of the samples that are summed, Hz.
+        summed: how many make one.
+    """
+    changed = []
+    for stage in filters:
+        if stage["kind"] == "sinc":
+            stage = stage | {"width_samples": (stage.get("width_samples") or 1.0) / summed}
+        elif stage["kind"] == "digital":
+            stage = stage | {"rate_hz": stage.get("rate_hz") or rate}
+        changed.append(stage)
+    return changed
+
+
+def with_measured_points(filters: Any, folder: Path, key: str) -> Any:
     """Put the points of each `file` in its place, so that the design stands by itself.
 
     Args:
-        filters: what the design file has under `algorithm.filter`, not yet validated.
+        filters: what the design file has under `key`, not yet validated.
         folder: that relative paths start from.
+        key: names it in messages.
 
     Raises:
         InputError: a file cannot be read.
     """
     if isinstance(filters, list):
-        return [with_measured_points(part, folder) for part in filters]
+        return [with_measured_points(part, folder, key) for part in filters]
     if not isinstance(filters, dict) or not isinstance(filters.get("file"), str):
         return filters
     if "points" in filters:
-        raise InputError("algorithm.filter: file and points are both given, give one")
+        raise InputError(f"{key}: file and points are both given, give one")
     inline = {key: value for key, value in filters.items() if key != "file"}
-    inline["points"] = read_response(folder / filters["file"])
+    inline["points"] = read_response(folder / filters["file"], key)
     return inline
 
 
-def read_response(path: Path) -> list[list[float]]:
+def read_response(path: Path, key: str = "sensor.filter") -> list[list[float]]:
     """Rows of a response CSV with the header ``freq_hz,gain`` or ``freq_hz,gain,phase_deg``.
+
+    Args:
+        path: the file.
+        key: names it in messages.
 
     Raises:
         InputError: it cannot be read, or a line is not as the header says.
     """
-    name = f"algorithm.filter.file: {path}"
+    name = f"{key}.file: {path}"
     lines = read_small(path, "response", "a CSV", name).splitlines()
     header = [word.strip() for word in lines[0].split(",")] if lines else []
     if header not in (["freq_hz", "gain"], ["freq_hz", "gain", "phase_deg"]):
