@@ -81,7 +81,7 @@ def test_no_command_hides_in_an_indented_block() -> None:
 
 
 def test_every_block_says_what_it_is() -> None:
-    known = {*RUN, "text", "toml", "verilog", "csv", "json", "yaml", "make", "cpp"}
+    known = {*RUN, "text", "toml", "verilog", "csv", "json", "yaml", "make", "c", "cpp"}
     unknown = [f"{name(p)}:{b.line}" for p in READ for b in blocks(p) if b.language not in known]
     assert not unknown
 

@@ -22,19 +22,27 @@ from sculler import terminal
     metavar="FOLDER",
     help="Where to write; build/NAME if left out.",
 )
+@click.option(
+    "--host",
+    type=click.Choice(["c"]),
+    help="Write the host too: freestanding C99 that makes attitude, velocity and position of the"
+    " core's results.",
+)
 @terminal.json_option
-def command(design_name: str, folder: Path | None, as_json: bool) -> None:
+def command(design_name: str, folder: Path | None, host: str | None, as_json: bool) -> None:
     """Write the core of DESIGN as plain Verilog-2001.
 
     FOLDER gets NAME.v, its manifest NAME.json (ports, word lengths, scales, latency), and a
     self-checking test bench NAME_tb.v with its golden vectors; its README.md has the command that
     runs it in any simulator.  With a hardware.target that has multiplier or memory blocks of its
     own come their models for simulators; with core = "compact" comes the schedule to read,
-    NAME_schedule.txt.  The same design gives the same bytes.
+    NAME_schedule.txt.  With --host c come NAME_host.h and NAME_host.c, which read a result's words
+    and scale them, and the library sculler_*.h and sculler_*.c beside them.  The same design gives
+    the same bytes.
     """
     from sculler.runs.hardware import write_hardware
 
     design = terminal.load_design(design_name)
     with terminal.progress("generating", None):
-        outcome = write_hardware(design, folder or Path("build") / design.name)
+        outcome = write_hardware(design, folder or Path("build") / design.name, host == "c")
     terminal.report(outcome.as_json(), as_json, terminal.facts(outcome.told()))

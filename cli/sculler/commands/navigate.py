@@ -41,6 +41,12 @@ if TYPE_CHECKING:
     " columns); what of the initial state is left out comes from it.",
 )
 @click.option(
+    "--telemetry",
+    type=terminal.OutputFile(),
+    metavar="FILE",
+    help="Write the states as binary frames with a CRC, too, as the host in C sends them.",
+)
+@click.option(
     "--report",
     "page",
     type=terminal.OutputFile(),
@@ -57,6 +63,7 @@ def command(
     vectors: str,
     output: Path,
     truth: Path | None,
+    telemetry: Path | None,
     page: Path | None,
     plots: bool,
     as_json: bool,
@@ -87,8 +94,12 @@ def command(
 
     plan = options.plan(terminal.load_design(design_name), vectors, truth, asked)
     with terminal.progress("navigating", results_in(vectors)) as advance:
-        outcome = navigate_file(plan, output, truth=truth, pictures=plots, advance=advance)
+        outcome = navigate_file(
+            plan, output, truth=truth, telemetry=telemetry, pictures=plots, advance=advance
+        )
     data = outcome.as_json()
+    if telemetry is not None:
+        data["telemetry"] = str(telemetry)
     if page is not None:
         data["report"] = str(page)
         files = {"vectors": vectors, "design": design_name}

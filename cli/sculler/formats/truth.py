@@ -11,7 +11,7 @@ file a column.  They may stand in any order, and others are passed over:
 
 Attitude, velocity and position may each be left out, and are NaN in the states then; a row with
 NaN, or with no value, in one of the columns is passed over.  `sculler motion` writes them all, and
-so does `sculler navigate`, whose output may serve as truth.
+so does `sculler navigate`, whose output may serve as truth; so may frames of telemetry.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from typing import BinaryIO, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.formats import lines
+from sculler.formats import lines, telemetry
 from sculler.formats.compiled import Kernels, kernels
 from sculler.formats.tables import Block, TableReader
 from sculler.formats.tables.npz import NpzReader, damage_told
@@ -131,7 +131,12 @@ def _mat(path: Path) -> Tables:
     return list(columns), iter([columns])
 
 
-_TABLES = ((b"PK\x03\x04", _npz), (b"MATLAB ", _mat), (b"PAR1", _parquet))
+_TABLES = (
+    (b"PK\x03\x04", _npz),
+    (b"MATLAB ", _mat),
+    (b"PAR1", _parquet),
+    (telemetry.BEGINNING, telemetry.telemetry_columns),
+)
 """How such files begin, and what reads them."""
 
 

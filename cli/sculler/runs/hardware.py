@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sculler.host_c import host_texts, library_texts
 from sculler_hdl import Generated, Manifest, generate, timing
 from sculler_model.design import Design
 from sculler_model.outputs import gathering
@@ -73,18 +74,21 @@ def texts_of(generated: Generated) -> dict[str, str]:
     return texts
 
 
-def write_hardware(design: Design, folder: Path) -> Outcome:
+def write_hardware(design: Design, folder: Path, host_in_c: bool = False) -> Outcome:
     """Write Verilog, manifest and test bench of a design; they appear together.
 
     Args:
         design: the design.
         folder: where; it is made if need be.
+        host_in_c: write the host in C, too.
 
     Raises:
         InputError: the folder cannot be made or written to.
     """
     generated = generate(design)
     texts = texts_of(generated)
+    if host_in_c:
+        texts |= host_texts(design) | library_texts()
     with gathering(folder) as gathered:
         for name, text in texts.items():
             (gathered / name).write_text(text, encoding="utf-8", newline="\n")

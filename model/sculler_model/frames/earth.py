@@ -6,6 +6,10 @@ serve the navigator with floats and the truth motions with arrays.
 
 from __future__ import annotations
 
+from math import sqrt
+
+import numpy as np
+
 from sculler_model.frames.rotation import Real
 
 SEMI_MAJOR_AXIS = 6378137.0
@@ -26,6 +30,11 @@ _FOCUS_SQUARED = ECCENTRICITY_SQUARED * SEMI_MAJOR_AXIS**2
 """E², m²: square of the meridian ellipse's linear eccentricity."""
 
 
+def root(x: Real) -> Real:
+    """Square root, rounded exactly, which `x**0.5` need not be; a host in C has the same."""
+    return sqrt(x) if isinstance(x, float) else np.sqrt(x)
+
+
 def radii(sin_lat: Real) -> tuple[Real, Real]:
     """Radii of curvature on the ellipsoid (m): of the meridian, and of the prime vertical.
 
@@ -33,7 +42,7 @@ def radii(sin_lat: Real) -> tuple[Real, Real]:
         sin_lat: sine of geodetic latitude.
     """
     squash = 1 - ECCENTRICITY_SQUARED * sin_lat * sin_lat
-    prime_vertical = SEMI_MAJOR_AXIS / squash**0.5
+    prime_vertical = SEMI_MAJOR_AXIS / root(squash)
     return prime_vertical * ((1 - ECCENTRICITY_SQUARED) / squash), prime_vertical
 
 
@@ -59,20 +68,20 @@ def normal_gravity(sin_lat: Real, height: Real) -> tuple[Real, Real]:
         Gravity's horizontal part over the horizontal part of the polar axis, m/s² (see
         `gravity_lean`), and its part down, m/s².
     """
-    prime_vertical = SEMI_MAJOR_AXIS / (1 - ECCENTRICITY_SQUARED * sin_lat * sin_lat) ** 0.5
+    prime_vertical = SEMI_MAJOR_AXIS / root(1 - ECCENTRICITY_SQUARED * sin_lat * sin_lat)
     bulge = ECCENTRICITY_SQUARED * prime_vertical * sin_lat
     out = prime_vertical + height  # X = out n - bulge k, n the ellipsoid's normal
     z = out * sin_lat - bulge
     z_squared = z * z
     inner = out * (out - 2 * bulge * sin_lat) + bulge * bulge - _FOCUS_SQUARED  # |X|² - E²
-    L = (inner * inner + 4 * _FOCUS_SQUARED * z_squared) ** 0.5
+    L = root(inner * inner + 4 * _FOCUS_SQUARED * z_squared)
     per_u2 = 2 / (inner + L)
     x = _FOCUS_SQUARED * per_u2
     sin2_beta = z_squared * per_u2
     s_p, s_q = _shape(x)
     B = GM + _ROTATION_K * per_u2 * s_p * (0.5 * sin2_beta - 1 / 6)
     C = _ROTATION_K * per_u2 * s_q * (1 + x)
-    scale = per_u2**0.5 / (L * (1 + x))
+    scale = root(per_u2) / (L * (1 + x))
     P = EARTH_RATE**2 - (B + C * sin2_beta) * scale  # with the centrifugal ω² (X - z k)
     along_axis = -(EARTH_RATE**2) * z - (B * x - C) * scale * z
     lean: Real = along_axis - P * bulge

@@ -25,6 +25,7 @@ from sculler_model.navigation.gravity import (
     Gravity,
     constant_gravity,
     gravity_at,
+    refuse_outside,
     table_of_gravity,
 )
 from sculler_model.navigation.interpolation import interpolated
@@ -36,7 +37,13 @@ from sculler_model.navigation.navigator import (
     trajectory,
 )
 from sculler_model.navigation.sensor_noise import NAVIGATION_GRADE, SensorNoise
-from sculler_model.navigation.state import MAX_HEIGHT, MIN_HEIGHT, NavHistory, NavState
+from sculler_model.navigation.state import (
+    MAX_HEIGHT,
+    MIN_HEIGHT,
+    NavHistory,
+    NavState,
+    told_times,
+)
 
 __all__ = [
     "ESTIMATED",
@@ -73,6 +80,8 @@ __all__ = [
     "known_quantities",
     "navigate",
     "navigation_errors",
+    "refuse_outside",
     "table_of_gravity",
+    "told_times",
     "trajectory",
 ]

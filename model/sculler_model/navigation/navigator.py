@@ -98,7 +98,7 @@ class HeightDamping:
         """k1 (1/s), k2 (1/s²), k3 (1/s³), and the reference (m)."""
         rate = 1 / self.seconds
         instability = 2 * GRAVITY_EQUATOR / SEMI_MAJOR_AXIS
-        return 3 * rate, 3 * rate**2 + instability, rate**3, self.reference
+        return 3 * rate, 3 * (rate * rate) + instability, rate * rate * rate, self.reference
 
 
 class Navigator:

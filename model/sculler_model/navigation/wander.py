@@ -17,7 +17,7 @@ the real-time path runs it as it stands, and `compiled` compiles the very same f
 
 from __future__ import annotations
 
-from math import asin, atan2, copysign, cos, pi, sin
+from math import asin, atan2, copysign, cos, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -176,7 +176,7 @@ def geographic(
     """
     place, h = position(now)
     (xx, _, xz), (yx, _, yz), (zx, zy, zz) = to_dcm(place)
-    cos_lat = (xz * xz + yz * yz) ** 0.5  # the third column of C_ew is down
+    cos_lat = sqrt(xz * xz + yz * yz)  # the third column of C_ew is down
     lat = angle_of(cos_lat, -zz)
     if cos_lat <= AT_POLE:  # north is the frame's x axis
         lon = atan2(-yx, -xx) if lat > 0 else atan2(yx, xx)
@@ -187,10 +187,10 @@ def geographic(
     c, s = per * zx, -per * zy
     wander = angle_of(c, s)
     if c > 0:  # of α/2 the larger one of cosine and sine by the square root
-        half_c = (0.5 + 0.5 * c) ** 0.5
+        half_c = sqrt(0.5 + 0.5 * c)
         half_s = 0.5 * s / half_c
     else:
-        half_s = copysign((0.5 - 0.5 * c) ** 0.5, s)
+        half_s = copysign(sqrt(0.5 - 0.5 * c), s)
         half_c = 0.5 * s / half_s
     qw, qx, qy, qz = now.q
     q = (

@@ -121,6 +121,14 @@ carrier_options = group(
         is_flag=True,
         help="Correct the rotation vectors for the triple products of smooth manoeuvres.",
     ),
+    click.option(
+        "--engine",
+        type=click.Choice(["python", "c"]),
+        default="python",
+        show_default=True,
+        help="What computes: Python, or the host in C of `generate --host c`, compiled here (needs"
+        " a C compiler); the same numbers.",
+    ),
 )
 """What carries the state, and how."""
 
@@ -209,6 +217,7 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
         split=options["breaks"] == "split",
         gravity=gravity,
         noise=noise,
+        engine=options["engine"],
     )
 
 

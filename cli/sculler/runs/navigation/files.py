@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from contextlib import ExitStack
 from math import degrees
 from pathlib import Path
 
@@ -27,6 +28,7 @@ def navigate_file(
     output: Path,
     *,
     truth: Path | None = None,
+    telemetry: Path | None = None,
     pictures: bool = True,
     advance: Advance = silent,
 ) -> Outcome:
@@ -38,6 +40,7 @@ def navigate_file(
             whole or not at all.
         truth: a file to hold the run against; what the plan leaves out of the initial state comes
             from it.
+        telemetry: write the states as binary frames, too.
         pictures: draw them beside the output, where matplotlib is there; else the outcome says so.
         advance: told the number of results that went by.
 
@@ -47,13 +50,18 @@ def navigate_file(
     no_pictures = _claim_pictures(output, truth is not None) if pictures else None
     reference = None if truth is None else AgainstTruth(truth, plan.design.major_interval)
     shown = Thinned()
-    with replacing(output) as temporary, HistoryWriter(temporary, wander=True) as writer:
+    with ExitStack() as stack:
+        frames = None
+        if telemetry is not None:
+            frames = stack.enter_context(stack.enter_context(replacing(telemetry)).open("wb")).write
+        temporary = stack.enter_context(replacing(output))
+        writer = stack.enter_context(HistoryWriter(temporary, wander=True))
 
         def sink(part: NavHistory) -> None:
             writer.write(part)
             shown.add(part)
 
-        run = NavigationRun(plan, sink, reference)
+        run = NavigationRun(plan, sink, reference, frames)
         blocks = read_vectors(plan.name, plan.design, missing=True)
         run.take(_advancing(blocks, advance))
     drawn = None

@@ -78,6 +78,7 @@ class Outcome:
             data[key] = seen.statuses.get(key, (0, 0.0))[0]
         data["short_history_results_left_out"] = seen.left_out
         data["breaks"] = seen.breaks
+        data["engine"] = plan.engine
         data["gravity"] = str(plan.gravity)
         data["warnings"] = self.warnings
         if self.no_pictures is not None:
@@ -208,9 +209,10 @@ def told(data: Mapping[str, Any]) -> dict[str, str]:
         " end",
         "heading change": f"{_four_places(data['heading_change_deg'])}°,"
         f" {_four_places(data['heading_change_deg_per_h'])} °/h",
+        **({"engine": "the host in C, compiled"} if data["engine"] == "c" else {}),
         "gravity": data["gravity"],
         "position": _POSITION[data["position_algorithm"]],
-        "wrote": data["output"],
+        "wrote": ", ".join(data[key] for key in ("output", "telemetry") if key in data),
         **(against_truth.facts(data["errors"]) if "errors" in data else {}),
         **({"pictures": ", ".join(data["plots"])} if "plots" in data else {}),
         **({"report": data["report"]} if "report" in data else {}),

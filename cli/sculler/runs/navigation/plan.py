@@ -164,6 +164,14 @@ def refuse_contradictions(
         for name in NOISE:
             if given(name):
                 raise ContradictionError(f"{called(name)} is for {align}, give that too")
+    if asked.get("engine") == "c":
+        engine = called("engine")
+        if asked.get("mechanisation") == "geographic":
+            raise ContradictionError(
+                f"{engine} c has the wander azimuth only, leave out {called('mechanisation')}"
+            )
+        if given("align"):
+            raise ContradictionError(f"{engine} c does not align, leave out {align}")
     start, stop = asked.get("start"), asked.get("stop")
     if start is not None and stop is not None and not stop > start:
         raise ContradictionError(
@@ -191,6 +199,7 @@ class Plan:
         noise: what is known of the sensors, for the alignment.
         realign: align anew after a break; else coast over it, and gather a window that a break
             cuts anew.
+        engine: the host in Python, or the one in C that is generated, compiled and loaded.
     """
 
     design: Design
@@ -207,3 +216,4 @@ class Plan:
     gravity: Gravity = NORMAL
     noise: SensorNoise = ESTIMATED
     realign: bool = True
+    engine: Literal["python", "c"] = "python"

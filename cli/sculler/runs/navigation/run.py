@@ -13,6 +13,7 @@ from sculler.checks.oddities import Oddities
 from sculler.checks.vector_breaks import Break, Stretches, begins_at
 from sculler.formats.tables import counting
 from sculler.runs.navigation.against_truth import AgainstTruth
+from sculler.runs.navigation.hosts import host_of
 from sculler.runs.navigation.plan import Plan
 from sculler.runs.navigation.seen import (
     ALIGNED,
@@ -27,7 +28,7 @@ from sculler.runs.navigation.seen import (
 from sculler.words import plural
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
-from sculler_model.host import MajorIncrements, ThirdOrder, major_increments
+from sculler_model.host import MajorIncrements
 from sculler_model.navigation import (
     FineAlignment,
     Mechanisation,
@@ -35,7 +36,6 @@ from sculler_model.navigation import (
     NavState,
     align,
     align_finely,
-    coasted,
     trajectory,
 )
 
@@ -52,12 +52,18 @@ class NavigationRun:
         plan: how.
         sink: told the states, the first one and those at the interval ends.
         reference: the truth, or None.
+        telemetry: told the states as frames; None for no such.
     """
 
     def __init__(
-        self, plan: Plan, sink: Callable[[NavHistory], None], reference: AgainstTruth | None = None
+        self,
+        plan: Plan,
+        sink: Callable[[NavHistory], None],
+        reference: AgainstTruth | None = None,
+        telemetry: Callable[[bytes], object] | None = None,
     ) -> None:
         self._plan, self._sink, self._reference = plan, sink, reference
+        self._telemetry, self._frames = telemetry, 0
         self._T, self._half = plan.design.major_interval, 0.5 * plan.design.sample_interval
         self.seen = Seen()
         self._oddities = Oddities(plan.design)
@@ -67,6 +73,7 @@ class NavigationRun:
         self._span: tuple[float, float] | None = None  # of the vectors so far
         self._over = False
         self._bias: FineAlignment | None = None
+        self._host = host_of(plan)
         self._begin()
 
     def _begin(self) -> None:
@@ -76,7 +83,7 @@ class NavigationRun:
         self._window: list[MajorIncrements] = []  # to align with
         self._window_from = 0.0
         self._gathered = 0  # intervals in it
-        self._third_order = ThirdOrder() if self._plan.third_order else None
+        self._host.begin()
         self._left_out = 0
 
     def take(self, blocks: Iterable[VectorBlock]) -> None:
@@ -109,9 +116,7 @@ class NavigationRun:
     def _take(self, block: VectorBlock) -> None:
         """The next consecutive intervals."""
         plan = self._plan
-        increments = major_increments(plan.design, block).in_axes(plan.axes)
-        if self._third_order is not None:
-            increments = self._third_order(increments)
+        increments = self._host.increments(block)
         times = increments.times
         assert times is not None
         edge = begins_at(plan.design, float(times[0])) if self._edge is None else self._edge
@@ -166,14 +171,14 @@ class NavigationRun:
                 return start.row, plan.given.state(time, start.state)
             # what the truth does not tell goes on as without it
             self._then(FROM_TRUTH)
-            return start.row, _completed(start.state, coasted(last, time - last.time))
+            return start.row, _completed(start.state, self._host.coasted(last, time - last.time))
         time = float(begins[0])
         if reference is not None and not (last is not None and reference.ended(time)):
             return None  # it may begin later
         if last is None:
             return 0, plan.given.state(time, None)
         self._then(CARRIED)
-        return 0, coasted(last, time - last.time)
+        return 0, self._host.coasted(last, time - last.time)
 
     def _then(self, how: str) -> None:
         """Say what became of the last break."""
@@ -260,7 +265,7 @@ class NavigationRun:
             self.seen.start = state
             if plan.align is None:  # which looks at the force itself
                 self._first = FirstSeconds(state, self._T, plan.gravity, plan.axes)
-        self._navigator = plan.carrier.begin(state, self._T, self.seen.start.h, plan.gravity)
+        self._navigator = self._host.navigator(state, self.seen.start.h)
         self.seen.end = state
         self._show(NavHistory.from_states([state]))
 
@@ -278,11 +283,15 @@ class NavigationRun:
         if self._bias is not None:
             increments = self._bias.corrected(increments, self._T)
         for part in trajectory(navigator, [increments] if len(increments) else []):
-            self._show(part)
+            self._show(part, increments.status)
         self.seen.end = navigator.state
 
-    def _show(self, part: NavHistory) -> None:
+    def _show(self, part: NavHistory, status: NDArray[np.int64] | None = None) -> None:
         self._sink(part)
+        if self._telemetry is not None:
+            bits = np.zeros(len(part), np.int64) if status is None else status
+            self._telemetry(self._host.telemetry(part, bits, self._frames))
+            self._frames += len(part)
         if self._reference is not None:
             self._reference.add(part)
 

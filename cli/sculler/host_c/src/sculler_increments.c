@@ -1,0 +1,300 @@
+/* Exact integers, and the increments they are worth. */
+#include "sculler_increments.h"
+
+#include "sculler_math.h"
+
+/* ---- status --------------------------------------------------------------------------------- */
+
+bool sculler_status_take(sculler_status_counts *counts, uint32_t status)
+{
+    counts->short_history += (status & SCULLER_SHORT_HISTORY) != 0u ? 1u : 0u;
+    counts->fault += (status & SCULLER_FAULT) != 0u ? 1u : 0u;
+    counts->rail += (status & SCULLER_RAIL) != 0u ? 1u : 0u;
+    counts->lost += (status & SCULLER_LOST) != 0u ? 1u : 0u;
+    return (status & SCULLER_SHORT_HISTORY) == 0u;
+}
+
+uint64_t sculler_results_missing(uint64_t last_major, uint64_t major, unsigned bits)
+{
+    uint64_t missing = major - last_major - 1u;
+    return bits < 64u ? missing & ((UINT64_C(1) << bits) - 1u) : missing;
+}
+
+/* ---- integers ------------------------------------------------------------------------------- */
+
+static void from_parts(uint64_t *limbs, size_t limb_count, size_t part, unsigned bits, uint32_t value)
+{
+    size_t place = part * bits;
+    if (place / 64u < limb_count) {
+        limbs[place / 64u] |= (uint64_t)value << (place % 64u);
+    }
+}
+
+/* Fill the limbs above so many bits with the sign; bits is > 0. */
+static void extend(uint64_t *limbs, size_t limb_count, size_t bits)
+{
+    size_t top = (bits - 1u) / 64u, used = (bits - 1u) % 64u + 1u;
+    if (top >= limb_count) {
+        return;
+    }
+    bool negative = (limbs[top] >> (used - 1u) & 1u) != 0u;
+    if (negative && used < 64u) {
+        limbs[top] |= ~UINT64_C(0) << used;
+    }
+    for (size_t i = top + 1u; i < limb_count; i++) {
+        limbs[i] = negative ? ~UINT64_C(0) : 0u;
+    }
+}
+
+static void clear(uint64_t *limbs, size_t limb_count)
+{
+    for (size_t i = 0; i < limb_count; i++) {
+        limbs[i] = 0;
+    }
+}
+
+void sculler_integer_from_words(
+    const uint16_t *words, size_t word_count, uint64_t *limbs, size_t limb_count)
+{
+    clear(limbs, limb_count);
+    for (size_t i = 0; i < word_count; i++) {
+        from_parts(limbs, limb_count, i, 16u, words[i]);
+    }
+    extend(limbs, limb_count, 16u * word_count);
+}
+
+void sculler_integer_from_registers(
+    const uint32_t *registers, size_t register_count, uint64_t *limbs, size_t limb_count)
+{
+    clear(limbs, limb_count);
+    for (size_t i = 0; i < register_count; i++) {
+        from_parts(limbs, limb_count, i, 32u, registers[i]);
+    }
+    extend(limbs, limb_count, 32u * register_count);
+}
+
+/* An integer of one limb converts as the compiler does it, rounded to nearest.  Of a longer one the
+ * 64 bits from the highest set one on are taken, and their last bit is set where any bit below them
+ * is, so that the one rounding of 64 bits is that of the whole integer. */
+double sculler_integer_to_double(const uint64_t *limbs, size_t limb_count)
+{
+    bool negative = limbs[limb_count - 1u] >> 63 != 0u;
+    uint64_t flip = negative ? ~UINT64_C(0) : UINT64_C(0);
+    uint64_t carry = negative ? UINT64_C(1) : UINT64_C(0); /* the size is the complement and one */
+    uint64_t top = 0, below = 0, before = 0;
+    bool rest = false, lower = false; /* whether any bit is set under `below`; under `before` */
+    size_t place = 0;
+    for (size_t i = 0; i < limb_count; i++) { /* the last limb that is not zero wins */
+        uint64_t limb = (limbs[i] ^ flip) + carry;
+        carry = carry != 0u && limb == 0u ? UINT64_C(1) : UINT64_C(0);
+        if (limb != 0u) {
+            top = limb;
+            below = before;
+            rest = lower;
+            place = i;
+        }
+        lower = lower || before != 0u;
+        before = limb;
+    }
+    double scale = 1.0;
+    if (place > 0u) {
+        unsigned bits = 0, rest_bits = 64;
+        while (top >> 63 == 0u) {
+            top <<= 1;
+            bits++;
+            rest_bits--;
+            scale *= 0.5;
+        }
+        if (bits > 0u) {
+            top |= below >> rest_bits;
+            rest = rest || below << bits != 0u;
+        } else {
+            rest = rest || below != 0u;
+        }
+        top |= rest ? UINT64_C(1) : UINT64_C(0);
+        for (; place > 0u; place--) {
+            scale *= 18446744073709551616.0; /* 2^64 */
+        }
+    }
+    double size = (double)top * scale;
+    return negative ? -size : size;
+}
+
+/* ---- rotation compensation ------------------------------------------------------------------ */
+
+/* 1/n! - x^2/(n+2)! + x^4/(n+4)! - ..., the last term's coefficient first; for |x| < 1. */
+static double series(const double terms[10], double square)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 10; i++) {
+        sum = terms[i] - square * sum;
+    }
+    return sum;
+}
+
+/* (1 - cos x)/x^2 */
+static double one_minus_cosine(double x)
+{
+    static const double terms[10] = {
+        1.0 / 2432902008176640000.0, 1.0 / 6402373705728000.0, 1.0 / 20922789888000.0,
+        1.0 / 87178291200.0, 1.0 / 479001600.0, 1.0 / 3628800.0, 1.0 / 40320.0, 1.0 / 720.0,
+        1.0 / 24.0, 1.0 / 2.0};
+    if (x < 1.0) {
+        return series(terms, x * x);
+    }
+    double half = SCULLER_PI * (x / (2.0 * SCULLER_PI)), part = sin(half) / half;
+    return 0.5 * (part * part);
+}
+
+/* (1 - sin x/x)/x^2 (Savage-98 Eq. 52) */
+static double one_minus_sine(double x)
+{
+    static const double terms[10] = {
+        1.0 / 51090942171709440000.0, 1.0 / 121645100408832000.0, 1.0 / 355687428096000.0,
+        1.0 / 1307674368000.0, 1.0 / 6227020800.0, 1.0 / 39916800.0, 1.0 / 362880.0, 1.0 / 5040.0,
+        1.0 / 120.0, 1.0 / 6.0};
+    return x < 1.0 ? series(terms, x * x) : (1.0 - sin(x) / x) / (x * x);
+}
+
+/* (1/2 - (1 - cos x)/x^2)/x^2 (Savage-98 Eq. 99) */
+static double half_minus_cosine(double x)
+{
+    static const double terms[10] = {
+        1.0 / 1124000727777607680000.0, 1.0 / 2432902008176640000.0, 1.0 / 6402373705728000.0,
+        1.0 / 20922789888000.0, 1.0 / 87178291200.0, 1.0 / 479001600.0, 1.0 / 3628800.0,
+        1.0 / 40320.0, 1.0 / 720.0, 1.0 / 24.0};
+    return x < 1.0 ? series(terms, x * x) : (0.5 - one_minus_cosine(x)) / (x * x);
+}
+
+/* dV_rot, exact for constant rate and specific force (Savage-98 Eq. 51). */
+static sculler_vector velocity_rotation(sculler_vector alpha, sculler_vector upsilon, double angle)
+{
+    sculler_vector first = sculler_cross(alpha, upsilon);
+    sculler_vector second = sculler_cross(alpha, first);
+    return sculler_plus(
+        sculler_times(one_minus_cosine(angle), first), second, one_minus_sine(angle));
+}
+
+/* What dV_SF lacks beyond second order where the body turns steadily, whatever the force does. */
+static sculler_vector velocity_higher_orders(
+    sculler_vector alpha, sculler_vector sculling, sculler_vector scrolling, double interval)
+{
+    sculler_vector d =
+        sculler_plus(sculler_times(7.0 / 6.0, sculling), sculler_per(scrolling, interval), -1.0);
+    sculler_vector inner = sculler_plus(sculler_per(d, 4.0), sculler_per(sculling, 10.0), -1.0);
+    sculler_vector fourth = sculler_cross(alpha, inner);
+    return sculler_cross(alpha, sculler_plus(sculler_per(d, 2.0), fourth, 1.0));
+}
+
+/* dR_rot, exact for constant rate and specific force (Savage-98 Eq. 99). */
+static sculler_vector position_rotation(
+    sculler_vector alpha,
+    sculler_vector upsilon,
+    sculler_vector s_alpha,
+    sculler_vector s_upsilon,
+    double angle)
+{
+    sculler_vector first = sculler_plus(
+        sculler_cross(s_alpha, upsilon), sculler_cross(alpha, s_upsilon), 1.0);
+    return sculler_plus(
+        sculler_times(one_minus_sine(angle), first),
+        sculler_cross(alpha, first),
+        half_minus_cosine(angle));
+}
+
+/* ---- increments ----------------------------------------------------------------------------- */
+
+/* Within plus between, in counts^2. */
+static sculler_vector correction(
+    const sculler_scales *scales, sculler_vector within, sculler_vector between)
+{
+    return sculler_plus(
+        sculler_per(within, scales->within), sculler_per(between, scales->between), 1.0);
+}
+
+void sculler_increments_of(
+    const sculler_scales *scales, const sculler_sums *sums, sculler_increments *increments)
+{
+    sculler_vector alpha = sculler_times(scales->alpha, sums->alpha);
+    sculler_vector upsilon = sculler_times(scales->nu, sums->nu);
+    sculler_vector coning = correction(scales, sums->coning_within, sums->coning_between);
+    sculler_vector sculling = sculler_times(
+        scales->sculling, correction(scales, sums->sculling_within, sums->sculling_between));
+    double angle = sqrt(sculler_dot(alpha, alpha));
+
+    sculler_vector dv_sf =
+        sculler_plus(upsilon, velocity_rotation(alpha, upsilon, angle), 1.0);
+    increments->alpha = alpha;
+    increments->phi = sculler_plus(alpha, coning, scales->coning);
+    increments->dv_sf = sculler_plus(dv_sf, sculling, 1.0);
+    increments->displaced = scales->high_resolution;
+    increments->dr_sf = sculler_times(0.0, alpha);
+    if (!scales->high_resolution) {
+        return;
+    }
+    sculler_vector s_alpha = sculler_times(scales->s_alpha, sums->s_alpha);
+    sculler_vector s_upsilon = sculler_times(scales->s_nu, sums->s_nu);
+    sculler_vector scrolling = sculler_times(scales->scrolling, sums->scrolling);
+    sculler_vector higher = velocity_higher_orders(alpha, sculling, scrolling, scales->interval);
+    sculler_vector turned = position_rotation(alpha, upsilon, s_alpha, s_upsilon, angle);
+    increments->dv_sf = sculler_plus(increments->dv_sf, higher, 1.0);
+    increments->dr_sf = sculler_plus(sculler_plus(s_upsilon, turned, 1.0), scrolling, 1.0);
+}
+
+static double axis_of(sculler_vector v, unsigned axis)
+{
+    return axis == 0u ? v.x : axis == 1u ? v.y : v.z;
+}
+
+static sculler_vector to_body(const sculler_axes *axes, sculler_vector v)
+{
+    sculler_vector found;
+    found.x = axes->sign[0] * axis_of(v, axes->from[0]);
+    found.y = axes->sign[1] * axis_of(v, axes->from[1]);
+    found.z = axes->sign[2] * axis_of(v, axes->from[2]);
+    return found;
+}
+
+void sculler_in_axes(const sculler_axes *axes, sculler_increments *increments)
+{
+    increments->phi = to_body(axes, increments->phi);
+    increments->alpha = to_body(axes, increments->alpha);
+    increments->dv_sf = to_body(axes, increments->dv_sf);
+    increments->dr_sf = to_body(axes, increments->dr_sf);
+}
+
+/* With w = a + bt + ct^2 over three intervals, t from the middle of the last one,
+ *
+ *     phi - (alpha + 1/2 int alpha x w) = a1x(a1xa3)/360 - a2x(a1xa2)/240 - a1x(a1x(a1xa2))/720
+ *
+ * the third- and fourth-order terms of the Magnus series for a rate in body axes. */
+static sculler_vector third_order_terms(
+    sculler_vector oldest, sculler_vector before, sculler_vector now)
+{
+    sculler_vector alpha2 = sculler_plus(
+        sculler_plus(sculler_times(1.5, now), before, -2.0), oldest, 0.5);
+    sculler_vector alpha3 = sculler_plus(
+        sculler_plus(sculler_times(0.5, now), before, -1.0), oldest, 0.5);
+    sculler_vector alpha1 = sculler_plus(now, sculler_per(alpha3, 12.0), -1.0);
+    sculler_vector once = sculler_cross(alpha1, alpha2);
+    sculler_vector first = sculler_cross(alpha1, sculler_cross(alpha1, alpha3));
+    sculler_vector second = sculler_cross(alpha2, once);
+    sculler_vector third = sculler_cross(alpha1, sculler_cross(alpha1, once));
+    return sculler_plus(
+        sculler_plus(sculler_per(first, 360.0), sculler_per(second, 240.0), -1.0),
+        sculler_per(third, 720.0),
+        -1.0);
+}
+
+void sculler_third_order_correct(sculler_third_order *memory, sculler_increments *increments)
+{
+    sculler_vector now = increments->alpha;
+    if (memory->seen >= 2u) {
+        sculler_vector terms = third_order_terms(memory->oldest, memory->before, now);
+        increments->phi = sculler_plus(increments->phi, terms, 1.0);
+    } else {
+        memory->seen += 1u;
+    }
+    memory->oldest = memory->before;
+    memory->before = now;
+}

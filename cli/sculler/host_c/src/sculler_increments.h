@@ -1,0 +1,94 @@
+/* From a core's exact integers to what the navigator takes: phi, alpha, dV_SF and dR_SF.
+ *
+ * A generated NAME_host.c reads a result's words into integers and knows the scales; the arithmetic
+ * is here, for every design alike.  Integers are two's complement in limbs of 64 bits, the lowest
+ * limb first.
+ */
+#ifndef SCULLER_INCREMENTS_H
+#define SCULLER_INCREMENTS_H
+
+#include "sculler_nav.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Status bits of a result. */
+#define SCULLER_SHORT_HISTORY 1u /* its sums lack samples before the first one: not to be used */
+#define SCULLER_FAULT 2u         /* a sample was marked as faulty */
+#define SCULLER_RAIL 4u          /* a count stood at its rail */
+#define SCULLER_LOST 8u          /* a sample was offered and not taken before this interval */
+
+/* Results by status bit, as many as were seen. */
+typedef struct {
+    uint32_t short_history, fault, rail, lost;
+} sculler_status_counts;
+
+/* Count a result's status bits.  Returns whether the result may be used: all but those of short
+ * history are navigated with; begin at the end of the last one of these. */
+bool sculler_status_take(sculler_status_counts *counts, uint32_t status);
+
+/* Results that are missing between two consecutive ones, by their `major`.
+ *
+ * bits: of the counter as it is handed over, 64 at most; it counts modulo 2 to these bits.
+ * A core that was reset begins at 0 again: that looks like very many. */
+uint64_t sculler_results_missing(uint64_t last_major, uint64_t major, unsigned bits);
+
+/* Read a column of 16-bit words, the least significant first, extended by its sign. */
+void sculler_integer_from_words(
+    const uint16_t *words, size_t word_count, uint64_t *limbs, size_t limb_count);
+
+/* The same of 32-bit registers. */
+void sculler_integer_from_registers(
+    const uint32_t *registers, size_t register_count, uint64_t *limbs, size_t limb_count);
+
+/* The double nearest to an integer of any size, ties to even. */
+double sculler_integer_to_double(const uint64_t *limbs, size_t limb_count);
+
+/* A result's integers as the nearest doubles, in counts and counts^2, sensor axes. */
+typedef struct {
+    sculler_vector alpha, coning_within, coning_between;
+    sculler_vector nu, sculling_within, sculling_between;
+    sculler_vector s_alpha, s_nu, scrolling; /* of a design with high-resolution position */
+} sculler_sums;
+
+/* What a design's integers are worth. */
+typedef struct {
+    double alpha, nu;          /* rad and m/s a count */
+    double within, between;    /* what the corrections stand over */
+    double coning, sculling;   /* rad and m/s a count^2 */
+    double s_alpha, s_nu;      /* rad s and m; scales of high-resolution position */
+    double scrolling;          /* m */
+    double interval;           /* of a result, s */
+    bool high_resolution;      /* whether there are the last three sums */
+} sculler_scales;
+
+/* phi, alpha, dV_SF and dR_SF of a result, in sensor axes (Savage-98 Eq. 37, 51, 84; Yang Eq. 14):
+ *
+ *     phi   = alpha + coning (within + between)
+ *     dV_SF = nu + dV_rot(alpha, nu) + sculling (within + between) */
+void sculler_increments_of(
+    const sculler_scales *scales, const sculler_sums *sums, sculler_increments *increments);
+
+/* From sensor axes to body axes: body axis i is sensor axis from[i] (0..2) times sign[i] (+-1). */
+typedef struct {
+    unsigned from[3];
+    double sign[3];
+} sculler_axes;
+
+void sculler_in_axes(const sculler_axes *axes, sculler_increments *increments);
+
+/* The third-order terms of the rotation vector, from three consecutive intervals.  All zero is its
+ * beginning; begin anew after a break. */
+typedef struct {
+    sculler_vector oldest, before;
+    uint32_t seen;
+} sculler_third_order;
+
+/* Correct phi; the first two intervals stay as they are. */
+void sculler_third_order_correct(sculler_third_order *memory, sculler_increments *increments);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

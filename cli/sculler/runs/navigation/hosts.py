@@ -1,0 +1,122 @@
+"""What a run computes with: the host in Python, or the host in C that is generated and compiled."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler.formats.telemetry import frames_of
+from sculler.runs.navigation.plan import Plan
+from sculler_model.fast import VectorBlock
+from sculler_model.host import MajorIncrements, ThirdOrder, major_increments
+from sculler_model.navigation import HeightDamping, Mechanisation, NavHistory, NavState, coasted
+
+
+class Host(Protocol):
+    """From a design's results to states."""
+
+    def begin(self) -> None:
+        """A new stretch of consecutive intervals."""
+
+    def increments(self, block: VectorBlock) -> MajorIncrements:
+        """φ, α, ΔV_SF and ΔR_SF of the next results, in body axes."""
+
+    def navigator(self, start: NavState, reference_height: float) -> Mechanisation:
+        """What carries a state on; a damped height is held to the reference (m)."""
+
+    def coasted(self, state: NavState, seconds: float) -> NavState:
+        """The state after a break."""
+
+    def telemetry(self, history: NavHistory, status: NDArray[np.int64], first: int) -> bytes:
+        """Frames of states, with their results' status bits and the first frame's number."""
+
+
+class HostInPython:
+    """`sculler_model.host` and `sculler_model.navigation`.
+
+    Args:
+        plan: the run's.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self.begin()
+
+    def begin(self) -> None:
+        """See `Host`."""
+        self._third_order = ThirdOrder() if self._plan.third_order else None
+
+    def increments(self, block: VectorBlock) -> MajorIncrements:
+        """See `Host`."""
+        found = major_increments(self._plan.design, block).in_axes(self._plan.axes)
+        return found if self._third_order is None else self._third_order(found)
+
+    def navigator(self, start: NavState, reference_height: float) -> Mechanisation:
+        """See `Host`."""
+        plan = self._plan
+        return plan.carrier.begin(start, plan.design.major_interval, reference_height, plan.gravity)
+
+    def coasted(self, state: NavState, seconds: float) -> NavState:
+        """See `Host`."""
+        return coasted(state, seconds)
+
+    def telemetry(self, history: NavHistory, status: NDArray[np.int64], first: int) -> bytes:
+        """See `Host`."""
+        return frames_of(history, status, first)
+
+
+class CompiledHost:
+    """The design's host in C, loaded into this process.
+
+    Args:
+        plan: the run's.
+
+    Raises:
+        InputError: there is no C compiler, or it fails.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        from sculler.host_c import HostInC
+
+        self._plan, self._host = plan, HostInC(plan.design)
+        self.begin()
+
+    def begin(self) -> None:
+        """See `Host`."""
+        self._third_order = self._host.third_order() if self._plan.third_order else None
+
+    def increments(self, block: VectorBlock) -> MajorIncrements:
+        """See `Host`."""
+        return self._host.increments(block, self._plan.axes, self._third_order)
+
+    def navigator(self, start: NavState, reference_height: float) -> Mechanisation:
+        """See `Host`."""
+        from sculler.host_c import NavigatorInC
+
+        plan, seconds = self._plan, self._plan.carrier.height_damping
+        return NavigatorInC(
+            self._host,
+            start,
+            position_every=plan.carrier.position_every,
+            height_damping=None if seconds is None else HeightDamping(reference_height, seconds),
+            gravity=plan.gravity,
+        )
+
+    def coasted(self, state: NavState, seconds: float) -> NavState:
+        """See `Host`."""
+        return self._host.coasted(state, seconds)
+
+    def telemetry(self, history: NavHistory, status: NDArray[np.int64], first: int) -> bytes:
+        """See `Host`."""
+        return self._host.telemetry(history, status, first)
+
+
+def host_of(plan: Plan) -> Host:
+    """The host that a plan asks for.
+
+    Raises:
+        InputError: the one in C cannot be compiled.
+    """
+    return CompiledHost(plan) if plan.engine == "c" else HostInPython(plan)
