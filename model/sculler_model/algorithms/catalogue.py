@@ -59,6 +59,7 @@ class Recipe:
         response: the sensor's filter (`tuned`).
         band: band and weight (`least-squares`, and `tuned` so matched).
         denominator_bits: rounded taps stand over 2^this; None: exact, or 24 where they are fitted.
+        constrained: whether a fit keeps slow motion exact.
     """
 
     family: str
@@ -72,6 +73,7 @@ class Recipe:
     response: Response = field(default_factory=Response)
     band: Band | None = None
     denominator_bits: int | None = None
+    constrained: bool = True
 
 
 @dataclass(frozen=True)
@@ -95,8 +97,14 @@ class Made:
         lines = []
         if self.fit is not None:
             f = self.fit
+            if f.slow is not None:
+                total = str(f.slow) if f.slow.denominator < 10**6 else f"{float(f.slow):.12g}"
+                lines.append(
+                    f"Slow motion is held: the sum of d K_d is {total}"
+                    + ("." if not f.missed else f", but for {float(f.missed):.2g} by rounding.")
+                )
             lines.append(
-                f"Rounded to 2^-{f.denominator_bits}: weighted rms residual {f.rms_real:.4g}"
+                f"Rounded to 1/{f.denominator}: weighted rms residual {f.rms_real:.4g}"
                 f" before, {f.rms_rounded:.4g} after ({f.rms_nearest:.4g} by nearest integers);"
                 f" largest {f.worst_real:.4g} before, {f.worst_rounded:.4g} after, at"
                 f" {f.worst_hz:.4g} Hz (rad per minor interval, unit amplitudes)."
@@ -172,7 +180,14 @@ def _compressed(recipe: Recipe, family: str) -> Made:
         result = matched_and_rounded(balance, p, recipe.sample_rate, bits or DENOMINATOR_BITS)
     else:
         assert recipe.band is not None  # by _check
-        result = fit(balance, p, recipe.band, recipe.sample_rate, bits or DENOMINATOR_BITS)
+        result = fit(
+            balance,
+            p,
+            recipe.band,
+            recipe.sample_rate,
+            bits or DENOMINATOR_BITS,
+            recipe.constrained,
+        )
     return Made(result.table(balance), balance, result)
 
 

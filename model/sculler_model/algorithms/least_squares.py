@@ -1,5 +1,9 @@
 """`least-squares`: the residual's weighted mean square over a band made least (Savage-20 method 3).
 
+A fit is as good as it can be in its band, and nowhere exact.  What it leaves of the first power of
+the frequency, λ³, is what a manoeuvre feels: a rate that changes evenly.  So by default that power
+is matched exactly (`slow_motion`), before rounding and after.
+
 The fit is done in decimals of as many digits as its conditioning asks for, and rounded to integers
 over a power of two by a lattice search, so that the generated hardware is the same on any machine.
 """
@@ -40,6 +44,9 @@ FURTHEST_MOVE = Decimal(2) ** -4
 
 FURTHEST_UNITS = 8
 """How many units it may move one at least, where units are coarse."""
+
+LARGEST_FACTOR = 1 << 8
+"""By how much the denominator may grow so that the constraint is kept exactly."""
 
 # Three-point Gauss-Legendre on panels of the band
 _NODES = (Fraction(5, 18), Fraction(8, 18), Fraction(5, 18))
@@ -118,8 +125,9 @@ class Fit:
 
     Attributes:
         reals: K_d, d = 1.., as fitted.
-        integers: the same over 2^denominator_bits.
-        denominator_bits: of the denominator.
+        integers: the same over `denominator`.
+        denominator: 2^denominator_bits, times the factor that the constraint asks for.
+        slow: Σ d K_d that was asked for, so that slow motion is exact; None for a free fit.
         rms_real, rms_rounded, rms_nearest: weighted root mean square residual over the band, as
             fitted, as rounded, and as nearest integers would leave it.
         worst_real, worst_rounded: largest |residual| in the band.
@@ -128,7 +136,8 @@ class Fit:
 
     reals: tuple[Decimal, ...]
     integers: tuple[int, ...]
-    denominator_bits: int
+    denominator: int
+    slow: Fraction | None
     rms_real: float
     rms_rounded: float
     rms_nearest: float
@@ -144,7 +153,14 @@ class Fit:
     @property
     def sums(self) -> list[Fraction]:
         """The rounded K_d."""
-        return [Fraction(k, 1 << self.denominator_bits) for k in self.integers]
+        return [Fraction(k, self.denominator) for k in self.integers]
+
+    @property
+    def missed(self) -> Fraction:
+        """By how much the rounded Σ d K_d is off `slow`; 0 for a free fit."""
+        if self.slow is None:
+            return Fraction(0)
+        return sum(d * k for d, k in enumerate(self.sums, start=1)) - self.slow
 
     def table(self, balance: Balance) -> TapTable:
         """The compressed table: these taps in row n."""
@@ -182,6 +198,7 @@ def fit(
     band: Band,
     sample_rate: Fraction,
     denominator_bits: int = DENOMINATOR_BITS,
+    constrained: bool = True,
 ) -> Fit:
     """Least-squares taps over a band, and the best rounding of them.
 
@@ -190,7 +207,10 @@ def fit(
         history: p.
         band: the band and its weight, at or below half the sample rate.
         sample_rate: Hz.
-        denominator_bits: taps are integers over 2^denominator_bits.
+        denominator_bits: taps are integers over 2^denominator_bits, times a small factor where the
+            constraint asks for it.
+        constrained: whether the first power of the frequency is matched exactly.  One tap alone
+            would then be fitted to nothing else, and is free.
 
     Raises:
         InputError: too many taps, no tap, a filter that passes nothing in the band, or a weight
@@ -202,8 +222,51 @@ def fit(
         context.prec = digits
         points = _points(balance, count, band, sample_rate)
         form, right = _normal_equations(points)
-        reals = _solve(form, right)
-        return _rounded(points, form, reals, denominator_bits)
+        slow = slow_motion(balance) if constrained and count > 1 else None
+        if slow is None:
+            reals = _solve(form, right)
+        else:
+            first = exact(slow)
+            rest = [r - f * first for r, f in zip(right, form[0], strict=True)]
+            reals = _with_first(first, _solve(_reduced(form), _reduced_right(rest)))
+        return _rounded(points, form, reals, denominator_bits, slow)
+
+
+def slow_motion(balance: Balance) -> Fraction | None:
+    """Σ d K_d that makes slow motion exact, n³/12 where nothing is filtered (Yang Eq. 17).
+
+    It is the first power of (B1), λ³; a rate that changes evenly, ω = g₀ + g₁ τ, feels just that.
+    None behind a filter without a power series.
+    """
+    try:
+        return balance.taylor(1)[0]
+    except InputError:
+        return None
+
+
+def _with_first(total: Decimal, others: Sequence[Decimal]) -> list[Decimal]:
+    """All K_d where Σ d K_d is known, from those beyond K_1."""
+    return [total - sum(d * k for d, k in enumerate(others, start=2)), *others]
+
+
+def _reduced(form: Matrix) -> Matrix:
+    """A quadratic form of all K_d as one of those beyond K_1, where Σ d K_d is held."""
+    size = range(1, len(form))
+    return [
+        [
+            form[i][j]
+            - (j + 1) * form[i][0]
+            - (i + 1) * form[0][j]
+            + (i + 1) * (j + 1) * form[0][0]
+            for j in size
+        ]
+        for i in size
+    ]
+
+
+def _reduced_right(right: Sequence[Decimal]) -> list[Decimal]:
+    """The right side that goes with `_reduced`."""
+    return [right[i] - (i + 1) * right[0] for i in range(1, len(right))]
 
 
 def round_taps(
@@ -222,7 +285,7 @@ def round_taps(
         context.prec = 60 + 10 * len(reals)
         points = _points(balance, len(reals), band, sample_rate)
         form, _ = _normal_equations(points)
-        return _rounded(points, form, [exact(x) for x in reals], denominator_bits)
+        return _rounded(points, form, [exact(x) for x in reals], denominator_bits, None)
 
 
 def _checked_count(balance: Balance, history: int) -> int:
@@ -341,13 +404,16 @@ def _solve(form: Matrix, right: list[Decimal]) -> list[Decimal]:
     return x
 
 
-def _rounded(points: _Points, form: Matrix, reals: list[Decimal], bits: int) -> Fit:
-    """Reals to integers over 2^bits: the closest in the form, kept from wandering off in it.
+def _rounded(
+    points: _Points, form: Matrix, reals: list[Decimal], bits: int, slow: Fraction | None
+) -> Fit:
+    """Reals to integers over a denominator: the closest in the form, kept from wandering off in it.
 
     Where the form is nearly flat, far-off integers would fit as well as near ones; a cost on every
     tap, at first a share of the fit's own residual, is raised until they stay near.
     """
-    unit = Decimal(2) ** -bits
+    denominator = _denominator(bits, slow)
+    unit = 1 / Decimal(denominator)
     mean_square = points.mean_square(reals)
     guard = ROUNDING_SHARE * mean_square / (len(reals) * unit * unit)
     guard = max(guard, form[0][0].scaleb(-40))
@@ -358,7 +424,7 @@ def _rounded(points: _Points, form: Matrix, reals: list[Decimal], bits: int) -> 
             [value + (guard if i == j else 0) for j, value in enumerate(row)]
             for i, row in enumerate(form)
         ]
-        integers = closest_integers(guarded, target)
+        integers = _closest(guarded, target, None if slow is None else round(slow * denominator))
         if max(abs(k - x) for k, x in zip(integers, target, strict=True)) <= furthest:
             break
         guard *= 16
@@ -368,7 +434,8 @@ def _rounded(points: _Points, form: Matrix, reals: list[Decimal], bits: int) -> 
     return Fit(
         tuple(reals),
         tuple(integers),
-        bits,
+        denominator,
+        slow,
         rms_real=float(mean_square.sqrt()),
         rms_rounded=float(points.mean_square(rounded).sqrt()),
         rms_nearest=float(points.mean_square(plain).sqrt()),
@@ -376,3 +443,19 @@ def _rounded(points: _Points, form: Matrix, reals: list[Decimal], bits: int) -> 
         worst_rounded=float(worst),
         worst_hz=float(worst_hz),
     )
+
+
+def _denominator(bits: int, slow: Fraction | None) -> int:
+    """2^bits, times what makes Σ d K_d a whole number of units where that is a small factor."""
+    if slow is None:
+        return 1 << bits
+    factor = (slow * (1 << bits)).denominator
+    return factor << bits if factor <= LARGEST_FACTOR else 1 << bits
+
+
+def _closest(form: Matrix, target: list[Decimal], total: int | None) -> list[int]:
+    """The integers k nearest to a target in a form; with Σ d k_d = total where that is given."""
+    if total is None:
+        return closest_integers(form, target)
+    others = closest_integers(_reduced(form), target[1:])
+    return [total - sum(d * k for d, k in enumerate(others, start=2)), *others]

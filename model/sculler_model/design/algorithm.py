@@ -57,6 +57,8 @@ class Algorithm(Part):
         sum: how a rate sensor's sum is formed.
         band: where a fit counts.
         denominator_bits: rounded taps stand over 2 to this.
+        fit: "constrained", which is the default: slow motion stays exact; "free": the band alone
+            counts.
         position: "high-resolution" adds the vectors s_alpha, s_nu and scrolling (`scrolling`),
             from which the host has the displacement over each major interval; "trapezoidal", which
             is the default, has none of them.
@@ -96,6 +98,10 @@ class Algorithm(Part):
     ] = None
     denominator_bits: Annotated[
         int | None, Field(ge=1, le=48, description="a whole number from 1 to 48")
+    ] = None
+    fit: Annotated[
+        Literal["constrained", "free"] | None,
+        Field(description='"constrained" or "free"'),
     ] = None
     position: Annotated[
         Literal["trapezoidal", "high-resolution"] | None,
@@ -145,7 +151,7 @@ class Algorithm(Part):
     def _the_usual_is_left_unsaid(cls, value: str | None) -> str | None:
         return None if value == "trapezoidal" else value
 
-    @field_validator("base", "match", "filter", "sum", "band", "denominator_bits")
+    @field_validator("base", "match", "filter", "sum", "band", "denominator_bits", "fit")
     @classmethod
     def _option_fits_family(cls, value: Any, info: ValidationInfo) -> Any:
         """Options come with the families that use them; a band in use must be there."""
@@ -164,12 +170,13 @@ class Algorithm(Part):
             "sum": source == "tuned",
             "band": fitted,
             "denominator_bits": fitted or source == "tuned",
+            "fit": fitted,
         }
         if value is not None and not used[key]:
             how = f'family = "{family}"'
             if family == "uncompressed" and key != "base":
                 how = f'base = "{source}"'
-            if key == "band" and source == "tuned":
+            if key in ("band", "fit") and source == "tuned":
                 how = 'match = "taylor"'
             raise ValueError(f"not used by {how}, leave it out")
         if value is None and used[key] and key == "band":
@@ -261,4 +268,5 @@ def recipe_of(sensor: Sensor, algorithm: Algorithm) -> Recipe:
         response=passed if tuned and passed is not None else Response(()),
         band=algorithm.band.exact() if algorithm.band is not None else None,
         denominator_bits=algorithm.denominator_bits,
+        constrained=algorithm.fit != "free",
     )

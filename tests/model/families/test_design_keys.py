@@ -63,6 +63,11 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"family": "time-taylor", "band": BAND}, 'algorithm.band: not used by family = "time-taylor"'),
     ({"family": "frequency-taylor", "denominator_bits": 8}, "algorithm.denominator_bits: not used"),
     ({"family": "time-taylor", "base": "tuned"}, "algorithm.base: not used by family"),
+    (tuned(filter=SINC, fit="free"), 'algorithm.fit: not used by match = "taylor", leave it out'),
+    (
+        fitted(**BAND) | {"fit": "best"},
+        "algorithm.fit: 'best' is not allowed, give \"constrained\"",
+    ),
     ({"family": "least-squares"}, 'algorithm.band: missing, "least-squares" needs it'),
     (tuned(), 'sensor.filter: missing, "tuned" needs it: give a table with kind'),
     (tuned(filter=SINC, band=BAND), 'algorithm.band: not used by match = "taylor", leave it out'),
@@ -211,15 +216,18 @@ def test_measured_file_lies_beside_the_design(tmp_path: Path) -> None:
 
 def test_rounded_taps_stand_over_the_stated_denominator() -> None:
     for bits in (10, 24):
-        table = parse(**fitted(**BAND), denominator_bits=bits).table
+        table = parse(**fitted(**BAND), denominator_bits=bits, fit="free").table
         assert (1 << bits) % table.denominator == 0
+        table = parse(**fitted(**BAND), denominator_bits=bits).table
+        assert (3 << bits) % table.denominator == 0
     assert parse(**fitted(**BAND)).made.fit is not None
 
 
 def test_report_says_what_rounding_cost_and_what_is_left() -> None:
     design = parse(family="uncompressed", base="least-squares", band=BAND, denominator_bits=12)
-    rounding, manoeuvres = design.made.report()
-    assert rounding.startswith("Rounded to 2^-12: weighted rms residual ")
+    slow, rounding, manoeuvres = design.made.report()
+    assert slow == "Slow motion is held: the sum of d K_d is 16/3."
+    assert rounding.startswith("Rounded to 1/12288: weighted rms residual ")
     assert manoeuvres.startswith("Manoeuvres ")
     [manoeuvres] = parse(family="uncompressed").made.report()
     assert "a + b < 5 vanishes" in manoeuvres

@@ -52,7 +52,7 @@ def compressed(n: int, taps: list[Fraction]) -> TapTable:
     ("n", "p", "low", "high"), [(2, 0, 0, 100), (3, 0, 50, 400), (4, 0, 0, 300), (2, 2, 0, 450)]
 )
 def test_the_fit_is_numpys(n: int, p: int, low: int, high: int) -> None:
-    result = fit(Balance(n), p, Band(Q(low), Q(high)), RATE)
+    result = fit(Balance(n), p, Band(Q(low), Q(high)), RATE, constrained=False)
     phase = 2 * pi * flat(low, high) / 1000
     truth = 0.5 * (n * phase - np.sin(n * phase))
     P = basis(n, n + p - 1, phase)
@@ -82,7 +82,7 @@ def weights(hertz: NDArray[np.float64]) -> dict[str, tuple[Band, NDArray[np.floa
 def test_weights(kind: str) -> None:
     hertz = flat(20, 450)
     band, weight = weights(hertz)[kind]
-    result = fit(Balance(4), 0, band, RATE)
+    result = fit(Balance(4), 0, band, RATE, constrained=False)
     phase = 2 * pi * hertz / 1000
     P, truth = basis(4, 3, phase), 0.5 * (4 * phase - np.sin(4 * phase))
     root = np.sqrt(weight)
@@ -97,7 +97,7 @@ def test_weights(kind: str) -> None:
 def test_rounding_is_the_best_there_is(bits: int) -> None:
     """Against every integer near the reals."""
     n, high = 4, 100.0
-    result = fit(Balance(n), 0, Band(Q(0), Q(100)), RATE, bits)
+    result = fit(Balance(n), 0, Band(Q(0), Q(100)), RATE, bits, constrained=False)
     phase = 2 * pi * flat(0, high, 400) / 1000
     reals = np.array(result.reals, np.float64)
     around = np.stack(np.meshgrid(*[np.arange(-20, 21)] * 3), -1).reshape(-1, 3)
@@ -155,7 +155,7 @@ def test_every_tap_is_at_a_minimum_behind_a_filter() -> None:
     """Tuned, rate sensor, plain sums: moving any tap either way raises the mean square."""
     response = Response((Sinc(Q(3, 2)),))
     balance = Balance(3, "rate", "plain", response)
-    result = fit(balance, 0, Band(Q(20), Q(300)), RATE, 30)
+    result = fit(balance, 0, Band(Q(20), Q(300)), RATE, 30, constrained=False)
     phase = 2 * pi * flat(20, 300, 1000) / 1000
 
     def mean_square(taps: list[Fraction]) -> float:
@@ -166,6 +166,71 @@ def test_every_tap_is_at_a_minimum_behind_a_filter() -> None:
     for i, step in product(range(3), (Q(1, 1000), Q(-1, 1000))):
         moved = [k + step * (i == j) for j, k in enumerate(result.sums)]
         assert mean_square(moved) > least
+
+
+@pytest.mark.parametrize(
+    ("n", "p", "low", "high"), [(3, 0, 50, 400), (4, 0, 0, 200), (5, 0, 0, 100), (2, 2, 0, 450)]
+)
+def test_the_constrained_fit_is_that_of_lagranges_multiplier(
+    n: int, p: int, low: int, high: int
+) -> None:
+    """Least mean square where Σ d K_d = n³/12 (Yang Eq. 17), by the bordered system in doubles."""
+    result = fit(Balance(n), p, Band(Q(low), Q(high)), RATE)
+    phase = 2 * pi * flat(low, high) / 1000
+    P, truth = basis(n, n + p - 1, phase), 0.5 * (n * phase - np.sin(n * phase))
+    size = 1 / np.linalg.norm(P, axis=0)
+    distance = np.arange(1, n + p)
+    bordered = np.zeros((n + p, n + p))
+    bordered[:-1, :-1] = (P * size).T @ (P * size)
+    bordered[-1, :-1] = bordered[:-1, -1] = distance * size
+    right = np.append((P * size).T @ truth, n**3 / 12)
+    expected = np.linalg.solve(bordered, right)[:-1] * size
+    assert np.array(result.reals, np.float64) == pytest.approx(expected, rel=1e-4)
+    assert sum(d * k for d, k in enumerate(result.sums, start=1)) == Q(n**3, 12)
+    assert result.missed == 0
+    free = fit(Balance(n), p, Band(Q(low), Q(high)), RATE, constrained=False)
+    assert free.rms_real < result.rms_real < 4 * free.rms_real
+    assert free.denominator == 1 << 24
+    assert result.denominator in (1 << 24, 3 << 24)
+
+
+@pytest.mark.parametrize("bits", [4, 8, 12])
+def test_rounding_under_the_constraint_is_the_best_there_is(bits: int) -> None:
+    """Against all integers near the reals whose Σ d K_d is right, by the cost that is stated."""
+    n = 4
+    result = fit(Balance(n), 0, Band(Q(0), Q(100)), RATE, bits)
+    unit = 1 / result.denominator
+    reals = np.array(result.reals, np.float64)
+    around = np.stack(np.meshgrid(*[np.arange(-40, 41)] * 2), -1).reshape(-1, 2)
+    others = np.rint(reals[1:] / unit) + around
+    total = Q(16, 3) * result.denominator
+    assert total.denominator == 1
+    near = np.column_stack((int(total) - others @ [2, 3], others))
+    phase = 2 * pi * flat(0, 100, 400) / 1000
+    R = np.linalg.qr(basis(n, 3, phase), mode="r") / np.sqrt(len(phase))
+
+    def cost(integers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of the residual, and of each unit that a tap is moved: a hundredth of the fit's own."""
+        moved = integers * unit - reals
+        share = 0.01 * result.rms_real**2 / (len(reals) * unit**2)
+        return np.asarray(np.sum((moved @ R.T) ** 2 + share * moved**2, axis=-1))
+
+    assert cost(np.array(result.integers, np.float64)) <= np.min(cost(near)) * 1.001
+    assert np.array(result.integers) @ [1, 2, 3] == total
+
+
+def test_one_tap_is_fitted_freely() -> None:
+    result = fit(Balance(2), 0, Band(Q(0), Q(200)), RATE)
+    assert result.slow is None
+    assert result.sums != [Q(2, 3)]  # the constraint would leave nothing to fit
+
+
+def test_behind_a_filter_slow_motion_is_held_to_a_unit_of_rounding() -> None:
+    """Σ d K_d of (B1) to the first power: n³/12 and what 1/|F|² = 1 + w²λ²/12 + ... asks for."""
+    width = Q(7, 5)
+    result = fit(Balance(3, response=Response((Sinc(width),))), 0, Band(Q(0), Q(200)), RATE, 20)
+    assert result.slow == Q(27, 12) + 3 * width**2 / 24
+    assert abs(result.missed) * result.denominator <= Q(1, 2)
 
 
 class TestLattice:
