@@ -9,6 +9,7 @@
 #   make bench   speeds, medians of several runs
 #   make accuracy  docs/explanation/accuracy.md and its pictures: the papers' figures beside ours
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route, about half an hour
+#   make prove   docs/explanation/proof.md: the port contract proved on small cores, half an hour
 #   make docs    the site of docs/ in build/site, without warnings; DOCS_FLAGS=... for MkDocs
 #   make release-check  wheel and sdist, built and tried outside the tree; they stay in build/release
 #   make clean   remove what the targets made
@@ -20,7 +21,7 @@ READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware prove release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY) $(TOOLS)
@@ -100,6 +101,9 @@ format: $(READY)
 $(DOCS): $(READY)
 	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	@touch $@
+
+prove: $(TOOLS)
+	$(BIN)/python -m studies.prove
 
 docs: $(DOCS)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --clean --quiet $(DOCS_FLAGS)

@@ -2,6 +2,7 @@
 
     generate(design)    the Verilog text, its `Manifest`, models of vendor blocks, a listing
     build_core(design)  the core as an Amaranth component, for one's own top level
+    properties(design)  what the core promises on its ports, as SystemVerilog assertions
     timing(design)      the clocks that the core takes, without building it
 
 It may import the exact side of `sculler_model` only.  Inside, arrows point one way:
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from sculler_hdl.export.manifest import Manifest as Manifest
     from sculler_hdl.export.manifest import describe_ports as describe_ports
     from sculler_hdl.export.manifest import module_ports as module_ports
+    from sculler_hdl.export.properties import PROPERTIES as PROPERTIES
+    from sculler_hdl.export.properties import properties as properties
     from sculler_hdl.export.verilog import Generated as Generated
     from sculler_hdl.export.verilog import generate as generate
     from sculler_hdl.plan.front import front_counter_ports as front_counter_ports
@@ -39,6 +42,7 @@ if TYPE_CHECKING:
     from sculler_hdl.targets import cell_models as cell_models
 
 _PLACES = {
+    "PROPERTIES": "export.properties",
     "Core": "core",
     "Generated": "export.verilog",
     "Manifest": "export.manifest",
@@ -55,12 +59,14 @@ _PLACES = {
     "generate": "export.verilog",
     "module_ports": "export.manifest",
     "pin_ports": "plan.front",
+    "properties": "export.properties",
     "result_ports": "plan.ports",
     "sample_ports": "plan.ports",
     "timing": "plan.timing",
 }
 
 __all__ = [
+    "PROPERTIES",
     "TARGETS",
     "Core",
     "Generated",
@@ -77,6 +83,7 @@ __all__ = [
     "generate",
     "module_ports",
     "pin_ports",
+    "properties",
     "result_ports",
     "sample_ports",
     "timing",

@@ -88,7 +88,7 @@ def generate(design: Design) -> Core:
         >>> import sculler
         >>> core = sculler.generate(sculler.Design.preset("hg4930"))
         >>> sorted(core.files)
-        ['hg4930_4x1.json', 'hg4930_4x1.v', 'hg4930_4x1.vhd']
+        ['hg4930_4x1.json', 'hg4930_4x1.v', 'hg4930_4x1.vhd', 'hg4930_4x1_properties.sv']
         >>> "module hg4930_4x1" in core.verilog
         True
     """

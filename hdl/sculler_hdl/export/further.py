@@ -1,16 +1,17 @@
-"""The files around the core that a design asks for: sensor front end, bus, and all together."""
+"""The files beside the core: its properties, and what a design asks for around it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
+from sculler_hdl.export.properties import property_file
 from sculler_model.design import Design
 
 Writer = Callable[[Design], Mapping[str, str]]
 """Gives texts by file name; none where the design does not ask for them."""
 
-_WRITERS: tuple[Writer, ...] = ()
+_WRITERS: tuple[Writer, ...] = (property_file,)
 
 
 def further_files(design: Design) -> Mapping[str, str]:

