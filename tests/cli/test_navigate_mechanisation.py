@@ -14,7 +14,7 @@ import pytest
 
 from sculler.formats.log import LogWriter
 from sculler_model.design import Design
-from sculler_model.motion import Motion, at_rest, turn_motion
+from sculler_model.motion import Curve, Motion, at_rest, turn_motion
 from sculler_model.samples import Quantiser
 
 Run = Callable[..., Any]
@@ -78,6 +78,22 @@ def test_every_mechanisation_tells_the_same_track(run: Run, tmp_path: Path, turn
         assert np.abs(other[:, :8] - wander[:, :8]).max() < 1e-7
         assert not np.array_equal(other, wander)
     assert np.abs(damped[:, height] - 500).max() < np.abs(wander[:, height] - 500).max()
+
+
+@pytest.mark.parametrize("climbing", [False, True])
+def test_a_damped_height_that_leaves_its_reference_is_told(
+    run: Run, tmp_path: Path, climbing: bool
+) -> None:
+    """A climb of 2 m/s over a minute: the loop pulls the height back."""
+    up = Curve((0.0, 2.0 if climbing else 0.0))
+    path = vectors(run, tmp_path, Motion(radians(48), radians(11), 500.0, up=up), 60)
+    options = (*PLACE, "--no-plots", "--height-damping", 30, "-o", tmp_path / "nav.csv")
+    outcome = run("navigate", "stim300", path, "--json", "--vd", -2 if climbing else 0, *options)
+    assert outcome.status == 0
+    told = "--height-damping holds the height to 500 m, where the run began, but it came to be"
+    assert [warning.startswith(told) for warning in json.loads(outcome.out)["warnings"]] == [
+        True
+    ] * climbing
 
 
 @pytest.mark.parametrize("lat", [90, -90])

@@ -318,6 +318,21 @@ def test_the_first_interval_needs_no_past() -> None:
     assert np.abs(found.v - true.v).max() < 2e-5
 
 
+@pytest.mark.parametrize("seconds", [20.0, 100.0])
+def test_the_transient_of_the_height_is_that_of_the_loop(seconds: float) -> None:
+    """The loop stepped by Euler, without the gradient of gravity that k2 makes up for."""
+    loop, error, step = HeightDamping(0.0, seconds), 0.01, seconds / 2000
+    k1, k2, k3, _ = loop.gains
+    k2 -= 2 * 9.7803253359 / 6378137.0
+    height = speed = total = largest = 0.0
+    for _ in range(10_000):
+        total += step * k3 * height
+        speed += step * (error - k2 * height - total)
+        height += step * (speed - k1 * height)
+        largest = max(largest, height)
+    assert loop.transient(-error) == pytest.approx(largest, rel=2e-3)
+
+
 def test_height_damping_holds_the_height() -> None:
     """An accelerometer 1 mg off, for an hour: the loop's integral takes it up."""
     where = at_rest(radians(45), 0.0, 300.0)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import exp, isfinite
 from typing import Protocol
 
 import numpy as np
@@ -99,6 +99,13 @@ class HeightDamping:
         rate = 1 / self.seconds
         instability = 2 * GRAVITY_EQUATOR / SEMI_MAJOR_AXIS
         return 3 * rate, 3 * (rate * rate) + instability, rate * rate * rate, self.reference
+
+    def transient(self, acceleration: float) -> float:
+        """How far (m) a constant error of the vertical acceleration (m/s²) moves the height.
+
+        The height answers with ½ a t² exp(-t/τ), whose largest value is at t = 2τ.
+        """
+        return 2 * exp(-2) * abs(acceleration) * self.seconds**2
 
 
 class Navigator:

@@ -28,9 +28,11 @@ from sculler.runs.navigation.seen import (
 from sculler.words import plural
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
+from sculler_model.frames import STANDARD_GRAVITY
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation import (
     FineAlignment,
+    HeightDamping,
     Mechanisation,
     NavHistory,
     NavState,
@@ -40,6 +42,9 @@ from sculler_model.navigation import (
 )
 
 Array = NDArray[np.float64]
+
+_LARGE_ERROR = 1e-3 * STANDARD_GRAVITY
+"""Of an accelerometer, m/s²; navigation needs a better one."""
 
 
 class NavigationRun:
@@ -64,6 +69,7 @@ class NavigationRun:
     ) -> None:
         self._plan, self._sink, self._reference = plan, sink, reference
         self._telemetry, self._frames = telemetry, 0
+        self._strayed = 0.0  # m, the furthest that a damped height was from its reference
         self._T, self._half = plan.design.major_interval, 0.5 * plan.design.sample_interval
         self.seen = Seen()
         self._oddities = Oddities(plan.design)
@@ -288,6 +294,9 @@ class NavigationRun:
 
     def _show(self, part: NavHistory, status: NDArray[np.int64] | None = None) -> None:
         self._sink(part)
+        if self.seen.start is not None and len(part):
+            away = float(np.abs(part.h - self.seen.start.h).max())
+            self._strayed = max(self._strayed, away)
         if self._telemetry is not None:
             bits = np.zeros(len(part), np.int64) if status is None else status
             self._telemetry(self._host.telemetry(part, bits, self._frames))
@@ -335,8 +344,22 @@ class NavigationRun:
             self._reference.begin()
         self._begin()
 
+    def _tell_height(self) -> None:
+        """Say where a damped height has left the height that it is held to."""
+        seconds, start = self._plan.carrier.height_damping, self.seen.start
+        if seconds is None or start is None:
+            return
+        explained = HeightDamping(start.h, seconds).transient(_LARGE_ERROR)
+        if self._strayed > explained:
+            self.seen.warnings.append(
+                f"--height-damping holds the height to {start.h:.6g} m, where the run began, but it"
+                f" came to be {self._strayed:.3g} m away, which no accelerometer error of 1 mg"
+                f" explains ({explained:.3g} m): leave it out where the vehicle climbs or descends"
+            )
+
     def _finish(self) -> None:
         plan, seen = self._plan, self.seen
+        self._tell_height()
         if seen.breaks and seen.breaks[-1]["then"] == NOTHING and self._reference is not None:
             self._then(NOTHING)
         elif plan.align is not None and self._navigator is None:
