@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -59,6 +60,30 @@ def test_laser_gyro(run: Run, data: Path, tmp_path: Path) -> None:
     assert said["moved_horizontally_km_per_h"] < 1.852
     assert abs(said["heading_change_deg"]) < 0.05
     assert nav.with_suffix(".png").is_file()
+
+
+def test_laser_gyro_by_the_host_in_c(run: Run, data: Path, tmp_path: Path) -> None:
+    """The states of 770 s of a real log, and its telemetry, are Python's to the byte."""
+    source = data / "lasergyro.imu"
+    if not source.is_file():
+        pytest.skip(f"no {source}")
+    if shutil.which("gcc") is None:
+        pytest.skip("needs gcc")
+    log, model = tmp_path / "log.csv", tmp_path / "model.csv"
+    assert run("convert", source, "-o", log, "--design", DESIGN).status == 0
+    assert run("model", DESIGN, log, "-o", model).status == 0
+    found = []
+    for engine in ("python", "c"):
+        nav, frames = tmp_path / f"{engine}.csv", tmp_path / f"{engine}.frames"
+        outcome = run(
+            *("navigate", DESIGN, model, "-o", nav, "--axes", "y,x,-z", "--engine", engine),
+            *("--lat", 34.246048, "--lon", 108.909664, "--height", 380, "--heading", 90.6),
+            *("--telemetry", frames, "--third-order", "--height-damping", 60, "--no-plots"),
+        )
+        assert outcome.status == 0, outcome.err
+        found.append((nav.read_bytes(), frames.read_bytes()))
+    assert len(found[0][1]) == 46_180 * 116
+    assert found[0] == found[1]
 
 
 def test_drive_from_mat(run: Run, data: Path, tmp_path: Path) -> None:

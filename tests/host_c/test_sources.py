@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import tiers
 from docs.pages import blocks
 from sculler.formats.telemetry import FRAME, frames_of
 from sculler.host_c import host_texts, library_texts
@@ -31,7 +32,7 @@ DESIGNS = (
     Design.preset("adis16488"),
 )
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Werror".split()
-SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")
+SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O0")
 
 COMPILERS = ("gcc", "clang")
 MATHEMATICS = {"sqrt", "sin", "cos", "asin", "atan2", "exp", "log", "fabs", "copysign"}
@@ -80,19 +81,15 @@ def test_compilers_have_nothing_to_say(compiler: str, sources: Path, tmp_path: P
         # clang misses the use of functions that stand in a header
         called(compiler, *flags, "-Wno-unused-function", "-fsyntax-only", "-x", "c", header)
     objects = list(tmp_path.glob("*.o"))
-    assert len(objects) == 3 + len(DESIGNS)
+    assert len(objects) == 6 + len(DESIGNS)
     names = {
         kind: set(re.findall(rf" {kind} (\w+)", called("nm", *objects).decode())) for kind in "UT"
     }
     outside = names["U"] - names["T"]
     assert outside - {"memcpy", "memset"} <= MATHEMATICS
-    assert {"sqrt", "sin", "cos"} <= outside | {"sqrt"}
-
-
-def test_no_object_of_the_library_has_state(sources: Path, tmp_path: Path) -> None:
-    for source in sorted(sources.glob("*.c")):
-        called(needed("gcc"), "-std=c99", "-O2", "-c", source, "-o", tmp_path / "o.o")
-        assert not re.findall(r" [BbDdCG] \w+", called("nm", tmp_path / "o.o").decode()), source
+    assert {"sin", "cos", "asin"} <= outside
+    # no object has a state: nothing lies in memory that is written to
+    assert not re.findall(r" [BbDdCG] \w+", called("nm", *objects).decode())
 
 
 def test_cppcheck_finds_nothing(sources: Path) -> None:
@@ -101,6 +98,7 @@ def test_cppcheck_finds_nothing(sources: Path) -> None:
 
 
 ALLOWED = {
+    "9.3": "the checker takes a structure that holds an array for one",
     "12.1": "precedence that C's own grammar makes plain stays without brackets",
     "12.3": "the checker takes `double x, y;` for a comma operator",
     "15.5": "a function that refuses its arguments returns at once",
@@ -114,6 +112,7 @@ ALLOWED = {
 """Advisory rules of MISRA C:2012 that are not followed, and why."""
 
 
+@pytest.mark.deep
 def test_misra(sources: Path) -> None:
     """Every required rule that cppcheck's addon can tell, and all others but a few."""
     files = [path for path in sources.glob("*.c") if path.stem.startswith(("sculler_", "stim"))]
@@ -161,7 +160,7 @@ def test_the_program_of_the_page_under_sanitizers(
     (tmp_path / "flight.c").write_text(program)
     used = [path for path in sources.glob("*.c") if path.stem.startswith(("sculler_", "hg4930"))]
     binary = tmp_path / "flight"
-    flags = ["-std=c99", "-O1", *WARNINGS, *SANITIZERS, f"-I{sources}"]
+    flags = ["-std=c99", *WARNINGS, *SANITIZERS, f"-I{sources}"]
     called(needed(compiler), *flags, tmp_path / "flight.c", *used, "-lm", "-o", binary)
     words, states, status = flight(DESIGNS[0], 8.0)
     assert called(binary, given=words) == frames_of(states, np.array(status), 0)
@@ -177,7 +176,7 @@ def test_the_program_of_the_page_under_sanitizers(
 
 MODES = """
 import ctypes, numpy as np
-from sculler.host_c import HostInC, NavigatorInC
+from sculler.host_c import HostInC, NavigatorInC, align_finely_in_c
 from sculler_model.design import Design
 from sculler_model.host import MajorIncrements
 from sculler_model.fast import VectorBlock, as_integers
@@ -187,8 +186,8 @@ from sculler_model.navigation import (
 
 random = np.random.default_rng(1)
 table = table_of_gravity(np.radians([20.0, 50.0]), np.array([0.0, 900.0]), np.full((2, 2), 9.8))
-for name, position in (("stim300", "high-resolution"), ("adis16488", "trapezoidal")):
-    design = Design.preset(name, position=position)
+for name in NAMES:
+    design = Design.preset(name, position="high-resolution" if name == "stim300" else "trapezoidal")
     host = HostInC(design, FLAGS)
     rows = []
     for i in range(60):
@@ -206,11 +205,15 @@ for name, position in (("stim300", "high-resolution"), ("adis16488", "trapezoida
                 for damping in (None, HeightDamping(500.0, 30.0)):
                     NavigatorInC(host, start, position_every=every, height_damping=damping,
                                  gravity=gravity).run(whole)
+    noisy = 1e-7 * random.normal(size=(1300, 3))
+    rest = MajorIncrements(noisy, noisy, [0.0, 0.0, -9.81 * design.major_interval] + noisy)
+    align_finely_in_c(host, rest, 0.8, 300.0)
 print("clean")
 """
 
 
-def test_every_mode_under_sanitizers(tmp_path: Path) -> None:
+@pytest.mark.parametrize("design", tiers.few_of(("stim300", "adis16488"), ("stim300",)))
+def test_every_mode_under_sanitizers(tmp_path: Path, design: str) -> None:
     runtime = called(needed("gcc"), "-print-file-name=libasan.so").decode().strip()
     if not Path(runtime).is_absolute():
         pytest.skip("needs gcc's address sanitizer")
@@ -221,7 +224,9 @@ def test_every_mode_under_sanitizers(tmp_path: Path) -> None:
         "SCULLER_CACHE": str(tmp_path),
         "CC": "gcc",
     }
-    code = MODES.replace("FLAGS", ", ".join(map(repr, SANITIZERS)))
+    code = MODES.replace("FLAGS", ", ".join(map(repr, SANITIZERS))).replace(
+        "NAMES", f"[{design!r}]"
+    )
     done = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False
     )

@@ -6,8 +6,17 @@ are freestanding C99.  `HostInC` compiles them and does with them what `sculler_
 things.
 """
 
+from sculler.host_c.aligning import align_finely_in_c, align_in_c
 from sculler.host_c.build import compiler
 from sculler.host_c.emit import host_texts, library_texts
 from sculler.host_c.engine import HostInC, NavigatorInC
 
-__all__ = ["HostInC", "NavigatorInC", "compiler", "host_texts", "library_texts"]
+__all__ = [
+    "HostInC",
+    "NavigatorInC",
+    "align_finely_in_c",
+    "align_in_c",
+    "compiler",
+    "host_texts",
+    "library_texts",
+]

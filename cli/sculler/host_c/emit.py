@@ -15,6 +15,10 @@ LIBRARY = (
     "sculler_nav.c",
     "sculler_increments.h",
     "sculler_increments.c",
+    "sculler_align.h",
+    "sculler_align.c",
+    "sculler_noise.c",
+    "sculler_fine.c",
     "sculler_telemetry.h",
     "sculler_telemetry.c",
 )

@@ -47,7 +47,7 @@ class HostInC:
     def __init__(self, design: Design, *flags: str) -> None:
         self.design = design
         self._library = ctypes.CDLL(str(build(design, *flags)))
-        for name in ("engine_size", "engine_run"):
+        for name in ("engine_size", "engine_run", "engine_align_size", "engine_align_steps"):
             getattr(self._library, name).restype = ctypes.c_size_t
 
     @property
@@ -79,13 +79,13 @@ class HostInC:
         status = np.ascontiguousarray(block.status, np.int64)
         phi, alpha, dv_sf, dr_sf = (np.empty((rows, 3)) for _ in range(4))
         self._library.engine_increments(
-            _at(words),
+            address(words),
             ctypes.c_size_t(rows),
-            _at(status),
+            address(status),
             (ctypes.c_uint32 * 3)(*axes.axes),
             (ctypes.c_double * 3)(*axes.signs),
             third_order,
-            *map(_at, (phi, alpha, dv_sf, dr_sf)),
+            *map(address, (phi, alpha, dv_sf, dr_sf)),
         )
         fine = dr_sf if self.design.high_resolution else None
         return MajorIncrements(phi, alpha, dv_sf, fine, block.status, block.times)
@@ -107,7 +107,7 @@ class HostInC:
     def coasted(self, state: NavState, seconds: float) -> NavState:
         """The state so much later if attitude and velocity stay as they are."""
         numbers = _numbers(state)
-        self._library.engine_coast(_at(numbers), ctypes.c_double(seconds))
+        self._library.engine_coast(address(numbers), ctypes.c_double(seconds))
         return _state(numbers.tolist())
 
     def telemetry(self, history: NavHistory, status: NDArray[np.int64], first: int) -> bytes:
@@ -125,11 +125,11 @@ class HostInC:
         frames = np.empty(TELEMETRY_BYTES * len(history), np.uint8)
         marks = np.ascontiguousarray(status, np.int64)
         self._library.engine_telemetry(
-            _at(states),
-            _at(marks),
+            address(states),
+            address(marks),
             ctypes.c_size_t(len(states)),
             ctypes.c_uint64(first),
-            _at(frames),
+            address(frames),
         )
         return frames.tobytes()
 
@@ -141,6 +141,9 @@ class NavigatorInC:
         host: the host.
         state: at the start of the first interval.
         position_every, height_damping, gravity: as of `Navigator`.
+
+    Attributes:
+        carried: the `engine` of engine.c.in.
 
     Raises:
         InputError: as `Navigator`.
@@ -158,20 +161,25 @@ class NavigatorInC:
         self._host, self._gravity, self._state = host, gravity, state
         self._interval = host.design.major_interval
         self._start, self._since = state.time, 0
-        self._carried = ctypes.create_string_buffer(host.functions.engine_size())
+        self.carried = ctypes.create_string_buffer(host.functions.engine_size())
         damping = height_damping and (height_damping.reference, height_damping.seconds)
         value, table = gravity.value, gravity.table
         self._table = [np.ascontiguousarray(array) for array in table or ()]  # C points to them
         lats, heights, excess = self._table or [np.zeros(0)] * 3
         error = host.functions.engine_begin(
-            self._carried,
+            self.carried,
             ctypes.c_double(self._interval),
             ctypes.c_uint32(position_every),
             (ctypes.c_double * 2)(*damping) if damping else None,
             None if value is None else ctypes.byref(ctypes.c_double(value)),
-            *(_at(lats), ctypes.c_size_t(len(lats)), _at(heights), ctypes.c_size_t(len(heights))),
-            None if table is None else _at(excess),
-            _at(_numbers(state)),
+            *(
+                address(lats),
+                ctypes.c_size_t(len(lats)),
+                address(heights),
+                ctypes.c_size_t(len(heights)),
+            ),
+            None if table is None else address(excess),
+            address(_numbers(state)),
         )
         if error == _OUTSIDE:
             refuse_outside(gravity, state.time, state.lat, state.h)
@@ -201,10 +209,10 @@ class NavigatorInC:
         assert dv is not None
         table, error = np.empty((rows, 11)), ctypes.c_int(_OK)
         done = self._host.functions.engine_run(
-            self._carried,
-            *(_at(phi), _at(dv), None if dr is None else _at(dr)),
+            self.carried,
+            *(address(phi), address(dv), None if dr is None else address(dr)),
             ctypes.c_size_t(rows),
-            *(_at(table), ctypes.byref(error)),
+            *(address(table), ctypes.byref(error)),
         )
         if error.value == _NOT_FINITE:
             before = self._state.time if done < 2 else times[done - 2]
@@ -231,6 +239,6 @@ def _state(n: list[float]) -> NavState:
     return NavState(n[0], (n[1], n[2], n[3], n[4]), (n[5], n[6], n[7]), n[8], n[9], n[10], n[11])
 
 
-def _at(array: NDArray[Any]) -> ctypes.c_void_p:
+def address(array: NDArray[Any]) -> ctypes.c_void_p:
     """Where an array lies."""
     return ctypes.c_void_p(array.ctypes.data)

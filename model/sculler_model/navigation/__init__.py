@@ -5,7 +5,13 @@ where it begins; `Comparison` holds a run against its truth.  It imports `frames
 those import.
 """
 
-from sculler_model.navigation.alignment import ESTIMATED, Alignment, align
+from sculler_model.navigation.alignment import (
+    ESTIMATED,
+    Alignment,
+    align,
+    alignment_warnings,
+    refuse_unfit_window,
+)
 from sculler_model.navigation.attitude_estimate import AttitudeEstimate
 from sculler_model.navigation.coasting import coasted
 from sculler_model.navigation.comparison import Comparison, Figures, LeftOut, Start
@@ -71,6 +77,7 @@ __all__ = [
     "Start",
     "align",
     "align_finely",
+    "alignment_warnings",
     "coasted",
     "compiled_run",
     "constant_gravity",
@@ -81,6 +88,7 @@ __all__ = [
     "navigate",
     "navigation_errors",
     "refuse_outside",
+    "refuse_unfit_window",
     "table_of_gravity",
     "told_times",
     "trajectory",

@@ -119,7 +119,7 @@ def align(
             is too near a pole to find north.
     """
     lean, g = gravity_at(gravity, sin(lat), h)
-    _refuse_unfit(increments, interval, lat, g)
+    refuse_unfit_window(increments, interval, lat, g)
     seconds = len(increments) * interval
     true_horizontal = EARTH_RATE * cos(lat)
 
@@ -138,10 +138,10 @@ def align(
         covariance=_covariance(noise, lat, seconds, tilts, step, g),
         warnings=(),
     )
-    return replace(result, warnings=_warnings(result, lat))
+    return replace(result, warnings=alignment_warnings(result, lat))
 
 
-def _refuse_unfit(increments: MajorIncrements, interval: float, lat: float, g: float) -> None:
+def refuse_unfit_window(increments: MajorIncrements, interval: float, lat: float, g: float) -> None:
     """See that a window can be aligned on.
 
     Raises:
@@ -227,7 +227,7 @@ def _noise_shown(
     return given.completed(estimated_noise(tilts, angles, step, g)), len(tilts), step
 
 
-def _warnings(found: Alignment, lat: float) -> tuple[str, ...]:
+def alignment_warnings(found: Alignment, lat: float) -> tuple[str, ...]:
     """What an engineer would want to look at before trusting the attitude."""
     warnings = []
     for name, rate, true in (
@@ -301,7 +301,8 @@ def _wahba(measured: Array, known: Array) -> Quaternion:
     K[0, 1:] = K[1:, 0] = z
     K[1:, 1:] = B + B.T - np.trace(B) * np.eye(3)
     w, x, y, z = np.linalg.eigh(K)[1][:, -1].tolist()
-    return (w, x, y, z)
+    sign = -1.0 if w < 0 else 1.0  # else the library's whim
+    return (sign * w, sign * x, sign * y, sign * z)
 
 
 def _slope(values: Array, interval: float) -> float:

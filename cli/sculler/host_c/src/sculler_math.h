@@ -32,6 +32,12 @@
 #define SCULLER_EARTH_RATE 7.292115e-5 /* rad/s */
 #define SCULLER_GM 3.986004418e14      /* m^3/s^2 */
 
+static inline sculler_vector sculler_nothing(void)
+{
+    sculler_vector nothing = {0.0, 0.0, 0.0};
+    return nothing;
+}
+
 /* a + factor b */
 static inline sculler_vector sculler_plus(sculler_vector a, sculler_vector b, double factor)
 {

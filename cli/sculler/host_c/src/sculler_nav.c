@@ -8,8 +8,6 @@
 #define AT_POLE 1e-12 /* cosine of latitude: 6 um from a pole */
 #define DEGREES (180.0 / SCULLER_PI)
 
-static const sculler_vector nothing = {0.0, 0.0, 0.0};
-
 /* ---- the Earth ------------------------------------------------------------------------------ */
 
 void sculler_radii(double sin_lat, double *meridian, double *prime_vertical)
@@ -388,7 +386,7 @@ static void step(sculler_nav *nav, const sculler_increments *increments)
         nav->past = nav->earth;
         nav->earth = earth_at(nav->place, h, &nav->settings.gravity);
         nav->since = 0;
-        nav->travel = nothing;
+        nav->travel = sculler_nothing();
         nav->climb = 0.0;
     }
 }
@@ -477,7 +475,7 @@ sculler_error sculler_nav_begin(
     nav->past = nav->earth;
     nav->q = sculler_normalised(sculler_product(to_level, start->q));
     nav->since = 0;
-    nav->travel = nothing;
+    nav->travel = sculler_nothing();
     nav->climb = 0.0;
     nav->offset = 0.0;
     nav->start = start->time;

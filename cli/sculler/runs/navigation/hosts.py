@@ -11,7 +11,17 @@ from sculler.formats.telemetry import frames_of
 from sculler.runs.navigation.plan import Plan
 from sculler_model.fast import VectorBlock
 from sculler_model.host import MajorIncrements, ThirdOrder, major_increments
-from sculler_model.navigation import HeightDamping, Mechanisation, NavHistory, NavState, coasted
+from sculler_model.navigation import (
+    Alignment,
+    FineAlignment,
+    HeightDamping,
+    Mechanisation,
+    NavHistory,
+    NavState,
+    align,
+    align_finely,
+    coasted,
+)
 
 
 class Host(Protocol):
@@ -28,6 +38,12 @@ class Host(Protocol):
 
     def coasted(self, state: NavState, seconds: float) -> NavState:
         """The state after a break."""
+
+    def aligned(self, window: MajorIncrements, lat: float, h: float) -> Alignment:
+        """The attitude at the end of a window at rest, of latitude (rad) and height (m)."""
+
+    def finely_aligned(self, window: MajorIncrements, lat: float, h: float) -> FineAlignment:
+        """The same, refined."""
 
     def telemetry(self, history: NavHistory, status: NDArray[np.int64], first: int) -> bytes:
         """Frames of states, with their results' status bits and the first frame's number."""
@@ -61,6 +77,16 @@ class HostInPython:
     def coasted(self, state: NavState, seconds: float) -> NavState:
         """See `Host`."""
         return coasted(state, seconds)
+
+    def aligned(self, window: MajorIncrements, lat: float, h: float) -> Alignment:
+        """See `Host`."""
+        plan = self._plan
+        return align(window, plan.design.major_interval, lat, h, plan.noise, plan.gravity)
+
+    def finely_aligned(self, window: MajorIncrements, lat: float, h: float) -> FineAlignment:
+        """See `Host`."""
+        plan = self._plan
+        return align_finely(window, plan.design.major_interval, lat, h, plan.noise, plan.gravity)
 
     def telemetry(self, history: NavHistory, status: NDArray[np.int64], first: int) -> bytes:
         """See `Host`."""
@@ -107,6 +133,18 @@ class CompiledHost:
     def coasted(self, state: NavState, seconds: float) -> NavState:
         """See `Host`."""
         return self._host.coasted(state, seconds)
+
+    def aligned(self, window: MajorIncrements, lat: float, h: float) -> Alignment:
+        """See `Host`."""
+        from sculler.host_c import align_in_c
+
+        return align_in_c(self._host, window, lat, h, self._plan.noise, self._plan.gravity)
+
+    def finely_aligned(self, window: MajorIncrements, lat: float, h: float) -> FineAlignment:
+        """See `Host`."""
+        from sculler.host_c import align_finely_in_c
+
+        return align_finely_in_c(self._host, window, lat, h, self._plan.noise, self._plan.gravity)
 
     def telemetry(self, history: NavHistory, status: NDArray[np.int64], first: int) -> bytes:
         """See `Host`."""

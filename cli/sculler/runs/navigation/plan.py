@@ -170,8 +170,6 @@ def refuse_contradictions(
             raise ContradictionError(
                 f"{engine} c has the wander azimuth only, leave out {called('mechanisation')}"
             )
-        if given("align"):
-            raise ContradictionError(f"{engine} c does not align, leave out {align}")
     start, stop = asked.get("start"), asked.get("stop")
     if start is not None and stop is not None and not stop > start:
         raise ContradictionError(

@@ -36,8 +36,6 @@ from sculler_model.navigation import (
     Mechanisation,
     NavHistory,
     NavState,
-    align,
-    align_finely,
     trajectory,
 )
 
@@ -243,11 +241,10 @@ class NavigationRun:
         assert window.times is not None
         self._count(window)
         place = self._place()
-        known = (plan.noise, plan.gravity)
-        coarse = align(window, self._T, place[0], place[2], *known)
+        coarse = self._host.aligned(window, place[0], place[2])
         state = coarse.state(*place)
         if plan.fine:
-            self._bias = align_finely(window, self._T, place[0], place[2], *known)
+            self._bias = self._host.finely_aligned(window, place[0], place[2])
             state = self._bias.state(*place)
         if self.seen.start is None:
             self.seen.alignment, self.seen.fine = coarse, self._bias
