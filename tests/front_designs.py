@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Sequence
+from copy import deepcopy
 from typing import Any
 
 import raw_datagrams
@@ -86,9 +87,13 @@ FRAMES: dict[str, tuple[dict[str, Any], Maker]] = {
 """Designs as files, and makers of their frames: gyro, accelerometer, number of the sample."""
 
 
-def design_of(name: str) -> Design:
-    """The design of a name."""
-    return Design.parse(FRAMES[name][0])
+def design_of(name: str, rate: float | None = None, **front: Any) -> Design:
+    """The design of a name, with another sample rate or other keys of [hardware.front]."""
+    data: dict[str, Any] = deepcopy(FRAMES[name][0])
+    data["hardware"]["front"] |= front
+    if rate is not None:
+        data["sensor"] = {**data.get("sensor", {}), "sample_rate_hz": rate}
+    return Design.parse(data)
 
 
 def made(name: str, gyro: Sequence[int], accel: Sequence[int], number: int) -> bytes:

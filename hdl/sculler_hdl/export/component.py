@@ -19,6 +19,7 @@ from contextlib import contextmanager
 from amaranth.back import rtlil
 from amaranth.lib import wiring
 
+from sculler_hdl.export.choices import choices_of_two
 from sculler_hdl.export.hierarchy import plain_modules
 from sculler_hdl.export.parts import Elaborated, Part
 from sculler_hdl.export.port_names import with_signature_names
@@ -36,6 +37,7 @@ def component_verilog(
     about: Sequence[str],
     *,
     initial: bool = True,
+    trees: bool = False,
 ) -> str:
     """The text of NAME.v: the component's module and its parts, NAME_PART.
 
@@ -46,11 +48,14 @@ def component_verilog(
             and `x_rst`) among them; those of the component's signature keep their names.
         about: lines of the comment at the head, in ASCII; a list of the ports follows them.
         initial: whether registers and memories get initial values.
+        trees: whether a choice of many, as of a state machine, is written as choices of two; as
+            one `casez` it overlaps in Verilator's eyes.
 
     Raises:
         ToolError: Yosys failed.
     """
-    modules = _modules(component, name, [port.name for port in ports], initial=initial)
+    names = [port.name for port in ports]
+    modules = _modules(component, name, names, initial=initial, trees=trees)
     return wrapped("\n".join([_header(about, ports), *modules, _END]))
 
 
@@ -73,7 +78,7 @@ def rare_collection() -> Iterator[None]:
 
 
 def _modules(
-    component: wiring.Component, name: str, ports: Sequence[str], *, initial: bool
+    component: wiring.Component, name: str, ports: Sequence[str], *, initial: bool, trees: bool
 ) -> list[str]:
     """The text of each module, the component's first."""
     elaborated = Elaborated(component)
@@ -85,7 +90,10 @@ def _modules(
     }
     text = with_signature_names(text, {path: part.members for path, part in parts.items()})
     kinds = {path: part.kind for path, part in parts.items()}
-    plain, first = plain_modules(read_modules(_yosys(_PREPARE, text, name)), f"\\{name}", kinds)
+    read = read_modules(_yosys(_PREPARE, text, name))
+    for module in read.values() if trees else ():
+        choices_of_two(module)
+    plain, first = plain_modules(read, f"\\{name}", kinds)
     for module in plain.values():
         equal_widths(module)
     text = "".join(module.text() for module in plain.values())

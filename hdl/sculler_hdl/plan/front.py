@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from sculler_hdl.plan.ports import Port, sample_ports
-from sculler_model.design import Design
-from sculler_model.front import Layout, Link, Spi, Uart
+from sculler_model.design import AXES, Design
+from sculler_model.front import Layout, Link, Number, Spi, Uart
 
 FRONT_COUNTER_BITS = 32
 """Of the counters; at their highest they stay."""
@@ -105,6 +105,30 @@ class BaudPlan:
         return 6 * sixteenth, 8 * sixteenth, 10 * sixteenth
 
 
+def crc_terms(bits: int, polynomial: int) -> list[tuple[int, int]]:
+    """What each bit of a CRC register is once it has taken a byte, most significant bit first.
+
+    Returns:
+        For each bit the masks of those bits of register and byte whose parity it is.
+    """
+    top, mask = 1 << (bits - 1), (1 << bits) - 1
+
+    def after(value: int) -> int:
+        for _ in range(8):
+            value = (value << 1 & mask) ^ (polynomial if value & top else 0)
+        return value
+
+    of_register = [after(1 << bit) for bit in range(bits)]
+    of_byte = [after(1 << (bits - 8 + bit)) for bit in range(8)]
+    return [
+        (
+            sum(1 << i for i, word in enumerate(of_register) if word >> bit & 1),
+            sum(1 << i for i, word in enumerate(of_byte) if word >> bit & 1),
+        )
+        for bit in range(bits)
+    ]
+
+
 @dataclass(frozen=True)
 class FrontPlan:
     """What a front end is built of.
@@ -119,6 +143,29 @@ class FrontPlan:
     def layout(self) -> Layout:
         """Of its frames."""
         return self.link.layout
+
+    @cached_property
+    def fields(self) -> dict[str, Number]:
+        """The numbers of a frame that are kept, by name."""
+        layout = self.layout
+        found = {
+            f"{sensor}_{axis}": number
+            for sensor in ("gyro", "accel")
+            for axis, number in zip(AXES, getattr(layout, sensor), strict=True)
+        }
+        if layout.counter is not None:
+            found["count"] = layout.counter.number
+        if layout.latency is not None:
+            found["latency"] = layout.latency
+        return found
+
+    @cached_property
+    def field_bits(self) -> dict[str, int]:
+        """Bits of each of them that are kept."""
+        found = {name: number.bits for name, number in self.fields.items()}
+        if self.layout.counter is not None:
+            found["count"] = self.layout.counter.bits
+        return found
 
     @cached_property
     def baud(self) -> BaudPlan:
@@ -144,4 +191,4 @@ class FrontPlan:
         It is counted for a frame that comes after one that was whole, on an idle core.
         """
         zeros = max(kind.zeros for kind in self.layout.kinds)
-        return 7 + zeros
+        return 8 + zeros - 2 * (self.layout.counter is None)

@@ -1,0 +1,1 @@
+"""Sensor front ends: from the sensor's pins to the core's sample port."""
