@@ -2,12 +2,13 @@
 
     generate(design)    the Verilog text, its `Manifest`, models of vendor blocks, a listing
     build_core(design)  the core as an Amaranth component, for one's own top level
+    ClockedCore(core)   the same with the clock, reset and clock enable of the Verilog module
     properties(design)  what the core promises on its ports, as SystemVerilog assertions
     timing(design)      the clocks that the core takes, without building it
 
 It may import the exact side of `sculler_model` only.  Inside, arrows point one way:
 
-    export  ─▶  core  ─▶  pipelined, compact  ─▶  lib  ─▶  plan  ─▶  targets
+    export  ─▶  clocked  ─▶  core  ─▶  pipelined, compact  ─▶  lib  ─▶  plan  ─▶  targets
 
 `plan` is plain Python: what to build, with its clocks and widths.  The others are Amaranth.  The
 names below are loaded when they are first used, so that a plan needs no Amaranth.
@@ -19,6 +20,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from sculler_hdl.clocked import ClockedCore as ClockedCore
     from sculler_hdl.core import Core as Core
     from sculler_hdl.core import build_core as build_core
     from sculler_hdl.export.manifest import Manifest as Manifest
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from sculler_hdl.export.properties import properties as properties
     from sculler_hdl.export.verilog import Generated as Generated
     from sculler_hdl.export.verilog import generate as generate
+    from sculler_hdl.lib.clock_enable import ClockEnableInserter as ClockEnableInserter
     from sculler_hdl.plan.front import front_counter_ports as front_counter_ports
     from sculler_hdl.plan.front import front_ports as front_ports
     from sculler_hdl.plan.front import pin_ports as pin_ports
@@ -42,6 +45,8 @@ if TYPE_CHECKING:
     from sculler_hdl.targets import cell_models as cell_models
 
 _PLACES = {
+    "ClockEnableInserter": "lib.clock_enable",
+    "ClockedCore": "clocked",
     "PROPERTIES": "export.properties",
     "Core": "core",
     "Generated": "export.verilog",
@@ -68,6 +73,8 @@ _PLACES = {
 __all__ = [
     "PROPERTIES",
     "TARGETS",
+    "ClockEnableInserter",
+    "ClockedCore",
     "Core",
     "Generated",
     "Manifest",

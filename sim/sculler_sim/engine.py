@@ -6,10 +6,12 @@ The rules of a run, whatever the engine:
   until it is taken or, where the stimulus says so, given up: then nothing is offered in the next
   clock, and the sample after it is the next.  It is taken in a clock with `sample_valid`,
   `sample_ready` and not `rst`; a result is taken in a clock with `result_valid`, `result_ready` and
-  not `rst`.
+  not `rst`.  (`rst` is meant where a core has `rst_n`: it is high where that is low.)
 * While nothing is offered the sample ports show the next sample's complement, with `fault` set:
   a core that looked at them then would give itself away.
 * A result that comes as a stream of words is taken with its last word.
+* Where the core has `clk_en`, stalls hold it low at random too.  In such a clock nothing is taken;
+  a sample that is offered in it need not stay.
 * `RESET` in place of a chunk raises `rst` for one clock, once the results of all complete major
   intervals before it have been taken; the next sample is then the first.
 * After the last sample the run goes on until the results of all complete major intervals have
@@ -163,6 +165,6 @@ def _model_clocks(design: Design, surroundings: Surroundings) -> Iterator[Ports]
     while not surroundings.done:
         now = surroundings.inputs
         offered = now.sample if now.sample_valid else None
-        ports = model.clock(offered, now.result_ready, now.rst)
+        ports = model.clock(offered, now.result_ready, now.rst, now.clk_en)
         surroundings.clocked(ports)
         yield ports

@@ -1,4 +1,4 @@
-"""Which clocks offer a sample, take a result or hold reset: the same for every engine."""
+"""Which clocks count, offer a sample, take a result or hold reset: the same for every engine."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ Levels8 = NDArray[np.uint8]
 
 _BLOCK = 1 << 14  # clocks drawn from one random generator, so that any clock can be reached
 _DENSITIES = (0.0, 0.15, 0.5, 0.85, 1.0)  # share of busy clocks in a stretch
+_LONGEST_PAUSE = 64  # of a clock enable that is low, or as often as not
 _IMPATIENCE = 0.6  # share of busy clocks in which a sensor gives up
 
 
@@ -29,6 +30,8 @@ class Levels(NamedTuple):
     """Level of `rst`."""
     give_up: Levels8
     """A sample that is offered and not taken in this clock is lost: its offer is withdrawn."""
+    enable: Levels8
+    """Level of `clk_en`, where the core has it: only such clocks count."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,8 @@ class Stimulus:
     Two equal objects give the same levels, however the clocks are cut into chunks.
 
     Attributes:
-        seed: None for no stalls, else the seed of random stalls on both handshakes.
+        seed: None for no stalls, else the seed of random stalls on both handshakes and, where the
+            core has one, of its clock enable.
         longest: longest stretch of clocks with one density of busy clocks.  Stretches are short
             and long alike (log-uniform) and some are wholly idle; several major intervals long,
             they make `sample_ready` fall.
@@ -84,7 +88,7 @@ class Stimulus:
         """Levels of `clocks` clocks from clock `start` on."""
         end = start + clocks
         if self.seed is None:
-            offer = take = np.ones(clocks, np.uint8)
+            offer = take = enable = np.ones(clocks, np.uint8)
             give_up = np.zeros(clocks, np.uint8)
         else:
             blocks = [
@@ -92,21 +96,22 @@ class Stimulus:
                 for index in range(start // _BLOCK, -(-end // _BLOCK))
             ]
             first = start // _BLOCK * _BLOCK
-            drawn = np.concatenate(blocks, axis=1) if blocks else np.zeros((3, 0), np.uint8)
-            offer, take, give_up = drawn[:, start - first : end - first]
+            drawn = np.concatenate(blocks, axis=1) if blocks else np.zeros((4, 0), np.uint8)
+            offer, take, give_up, enable = drawn[:, start - first : end - first]
             if not self.gives_up:
                 give_up = np.zeros(clocks, np.uint8)
         rst = np.zeros(clocks, np.uint8)
         rst[[clock - start for clock in self.resets if start <= clock < end]] = 1
-        return Levels(*map(np.ascontiguousarray, (offer, take, rst, give_up)))
+        return Levels(*map(np.ascontiguousarray, (offer, take, rst, give_up, enable)))
 
 
 @lru_cache(maxsize=4)
 def _random_block(seed: int, longest: int, index: int) -> Levels8:
-    """Offer, take and give up, (3, _BLOCK), of the block's clocks."""
+    """Offer, take, give up and enable, (4, _BLOCK), of the block's clocks."""
     rng = np.random.default_rng([seed, longest, index])
     offer, take, give_up = (_stretches(rng, longest) for _ in range(3))
-    return np.stack([offer, take, give_up & (rng.random(_BLOCK) < _IMPATIENCE)])
+    give_up &= rng.random(_BLOCK) < _IMPATIENCE
+    return np.stack([offer, take, give_up, _stretches(rng, _LONGEST_PAUSE)])
 
 
 def _stretches(rng: np.random.Generator, longest: int) -> Levels8:

@@ -25,6 +25,9 @@ class Inputs(NamedTuple):
     """What the sample ports show, valid or not; None leaves them as they are."""
     result_ready: int
     rst: int
+    """1 for a reset, whichever level of the port that is."""
+    clk_en: int = 1
+    """1 where the core has no such port."""
 
 
 class Surroundings:
@@ -58,6 +61,7 @@ class Surroundings:
         clocks: int | None = None,
     ) -> None:
         self.taken: list[tuple[int, ...]] = []
+        self._can_stop = design.hardware.clock_enable is True
         self._words: list[int] = []  # of the result that is being taken
         self._design = design
         self._timing = timing
@@ -82,10 +86,19 @@ class Surroundings:
 
     def clocked(self, ports: Ports) -> None:
         """End the present clock, in which the core showed `ports`."""
-        valid, _, take, rst = self.inputs
         run = self._progress
         run.clocks += 1
         run.idle += 1
+        if self.inputs.clk_en or self.inputs.rst:
+            self._counted(ports)
+        if self._clocks is None:
+            run.check_alive(self._stimulus, self._timing)
+        self.inputs = self._present()
+
+    def _counted(self, ports: Ports) -> None:
+        """A clock in which the core did not stand still."""
+        valid, _, take, rst, _ = self.inputs
+        run = self._progress
         self._held = valid
         self._pause = 0
         if valid and self._gives_up and (rst or not ports.sample_ready):
@@ -108,9 +121,6 @@ class Surroundings:
             if take and ports.result_valid:
                 run.idle = 0
                 self._take(ports.result)
-        if self._clocks is None:
-            run.check_alive(self._stimulus, self._timing)
-        self.inputs = self._present()
 
     def _take(self, shown: tuple[int, ...]) -> None:
         """The host takes what the result ports show: a result, or one of its words."""
@@ -131,24 +141,23 @@ class Surroundings:
             self._progress.intervals_told = shown[0] + 1
 
     def _present(self) -> Inputs:
-        offer, take, rst, self._gives_up = next(self._levels)
+        offer, take, rst, self._gives_up, enable = next(self._levels)
+        enable |= not self._can_stop
         if self._next == _RESET:
             self._resets = self._progress.drained(self._design)
-            return Inputs(0, None, take, 1) if self._resets else Inputs(0, None, take, rst)
+            return Inputs(0, None, take, int(self._resets) | rst, enable)
         if self._next == _END:
-            return Inputs(0, None, take, rst)
+            return Inputs(0, None, take, rst, enable)
         if (offer or self._held) and not self._pause:
-            return Inputs(1, self._next, take, rst)
+            return Inputs(1, self._next, take, rst, enable)
         gyro, accel, _ = self._next
-        return Inputs(0, (_complement(gyro), _complement(accel), 1), take, rst)
+        return Inputs(0, (_complement(gyro), _complement(accel), 1), take, rst, enable)
 
-    def _each_level(self) -> Iterator[tuple[int, int, int, int]]:
+    def _each_level(self) -> Iterator[tuple[int, ...]]:
         start = 0
         while True:
-            offer, take, rst, give_up = (
-                level.tolist() for level in self._stimulus.levels(start, _LEVELS)
-            )
-            yield from zip(offer, take, rst, give_up, strict=True)
+            levels = self._stimulus.levels(start, _LEVELS)
+            yield from zip(*(level.tolist() for level in levels), strict=True)
             start += _LEVELS
 
 

@@ -14,6 +14,7 @@ It needs no Python to run: any simulator of Verilog-2001 does.  Inside,
   of it) comes and for as long as it waits;
 * `sample_ready` and `result_valid` are held to the core's `Timing` on every clock, and no result
   may come too many;
+* where the core has a clock enable, it is low at random, and such clocks do not count;
 * a line beginning with PASS or FAIL ends it.
 """
 
@@ -33,6 +34,7 @@ from sculler_model.design import STATUS_LOST, Design, Interval
 from sculler_model.fast import run_fast
 from sculler_model.golden import (
     COUNTER_MAX,
+    RELEASE,
     Timing,
     clocks_per_major,
     to_words,
@@ -110,7 +112,8 @@ def testbench(
     # clocks that a sample and a result take at most, stalls and all
     slowest_sample = timing.spacing + max(timing.work, default=0) + 16
     slowest_result = timing.latency + parts * (timing.handover_spacing + 16) + 200
-    timeout = 1000 + 2 * timing.startup + slowest_sample * len(samples) + slowest_result * results
+    clocks = 1000 + 2 * timing.startup + slowest_sample * len(samples) + slowest_result * results
+    timeout = clocks * (2 if design.hardware.clock_enable else 1)
     numbers = {
         "name": design.name,
         "sources": " ".join(f"{name}.v" for name in (design.name, *cells)),
@@ -122,6 +125,7 @@ def testbench(
         "timeout": timeout,
         **_contract(design, timing),
         **_port_texts(design),
+        **_clocking(design),
     }
     return {
         f"{design.name}_tb.v": _fill("testbench.v.in", numbers),
@@ -171,13 +175,14 @@ def _port_texts(design: Design) -> dict[str, object]:
     """The Verilog that depends on the ports, and where they lie in the packed words."""
     inputs, outputs = sample_ports(design), result_ports(design)
     counters = counter_ports(design)
+    at_once = design.hardware.resets_at_once
     stream = design.hardware.handover == "stream"
     return {
         "lost_part": words_per_column(design) if stream else 0,
         "lost_bit": (STATUS_LOST.bit_length() - 1) + (0 if stream else outputs[0].bits),
         "counters": "\n".join(f"  wire [{port.bits - 1}:0] {port.name};" for port in counters),
         "counter_connections": "\n".join(f"    .{port.name}({port.name})," for port in counters),
-        "counter_checks": "\n".join(_counter_checks(counters)),
+        "counter_checks": "\n".join(_counter_checks(counters, at_once=at_once)),
         "sample_bits": sum(port.bits for port in inputs),
         "result_bits": sum(port.bits for port in outputs),
         "declarations": "\n".join(_declarations(outputs)),
@@ -185,6 +190,55 @@ def _port_texts(design: Design) -> dict[str, object]:
         "checks": "\n".join(_checks(outputs)),
         "expected": _STREAM_LINE if stream else _PARALLEL_LINE,
     }
+
+
+def _clocking(design: Design) -> dict[str, object]:
+    """The Verilog that depends on the reset's style and the clock enable."""
+    hardware = design.hardware
+    lines: list[str] = []
+    in_reset = "rst"
+    if hardware.resets_at_once:
+        in_reset = "in_reset"
+        lines += [
+            f"  // a reset acts at once, and {RELEASE} clocks longer than it is asked for",
+            f"  reg [{RELEASE - 1}:0] release_left;",
+            "  wire in_reset = rst || release_left != 0;",
+            "  always @(posedge clk or posedge rst)",
+            f"    if (rst) release_left <= {{{RELEASE}{{1'b1}}}};",
+            "    else release_left <= release_left >> 1;",
+            f"  initial release_left = {{{RELEASE}{{1'b1}}}};",
+            "  wire [31:0] want_lost_now = in_reset ? 0 : lost;",
+            "  wire [31:0] want_dropped_now = in_reset ? 0 : dropped;",
+        ]
+    if hardware.clock_enable:
+        lines += [
+            "  // low at random: such clocks do not count",
+            "  reg clk_en;",
+            "  reg [15:0] clk_en_lfsr;",
+            "  always @(posedge clk) begin",
+            "    clk_en_lfsr <= {1'b0, clk_en_lfsr[15:1]}"
+            " ^ (clk_en_lfsr[0] ? 16'hb400 : 16'h0000);",
+            "    clk_en <= clk_en_lfsr[1] || (clk_en_lfsr[4] && clk_en_lfsr[9]);",
+            "  end",
+            "  initial begin",
+            "    clk_en = 1'b0;",
+            "    clk_en_lfsr = 16'hace1;",
+            "  end",
+        ]
+    return {
+        "clocking": "".join(f"{line}\n" for line in lines),
+        "clocking_connections": "\n".join(f"    {each}," for each in clocking_connections(design)),
+        "in_reset": in_reset,
+        "not_in_reset": "!in_reset && " if hardware.resets_at_once else "",
+        "when_counted": f"if (clk_en || {in_reset}) " if hardware.clock_enable else "",
+    }
+
+
+def clocking_connections(design: Design, clk_en: str = "clk_en") -> list[str]:
+    """Connections of the reset, to `rst`, and of the clock enable, if there is one."""
+    low = design.hardware.reset_active == "low"
+    enables = [f".clk_en({clk_en})"] if design.hardware.clock_enable else []
+    return [".rst_n(!rst)" if low else ".rst(rst)", *enables]
 
 
 _STREAM_LINE = "one word of a result a line: `result_last` (top bit) and `result_data`"
@@ -292,9 +346,11 @@ _COUNTED = {"samples_lost": "lost", "results_dropped": "dropped"}
 """What the bench counts of what each port does."""
 
 
-def _counter_checks(ports: list[Port]) -> Iterator[str]:
+def _counter_checks(ports: list[Port], *, at_once: bool) -> Iterator[str]:
     for port in ports:
         counted = _COUNTED[port.name]
+        if at_once:
+            counted = f"want_{counted}_now"
         yield f"    end else if ({port.name} !== {counted}[{port.bits - 1}:0]) begin"
         yield f'      $display("FAIL: clock %0d, {port.name}: %0d, expected %0d",'
         yield f"               clock, {port.name}, {counted});"

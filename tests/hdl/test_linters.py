@@ -22,6 +22,7 @@ VARIANTS = {
         ("dense_odd_3", {"core": "compact"}),
         ("dense_odd_3", {"core": "compact", "target": "ecp5"}),
         ("dense_odd_3", {"core": "compact", "initial": False}),
+        ("smallest", {"reset": "async", "reset_active": "low", "clock_enable": True}),
     )
 }
 

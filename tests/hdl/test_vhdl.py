@@ -17,6 +17,7 @@ CORES = {
     "pipelined": DESIGNS["smallest"],
     "compact": with_hardware(DESIGNS["smallest"], core="compact"),
     "drops": with_hardware(DESIGNS["smallest"], overrun="drop-result"),
+    "clocked": with_hardware(DESIGNS["smallest"], reset_active="low", clock_enable=True),
 }
 
 

@@ -29,6 +29,12 @@ CORES = {
     "compact_ecp5": core("compact_ecp5", "ecp5"),
     "pipelined_ice40": core("pipelined_ice40", "ice40"),
     "compact_ice40": core("compact_ice40", "ice40"),
+    **{
+        f"compact_enabled_{target}": core(
+            f"compact_enabled_{target}", target, reset="async", clock_enable=True
+        )
+        for target in ("ecp5", "ice40")
+    },
 }
 QUICK = ("compact_ecp5", "pipelined_ice40")
 

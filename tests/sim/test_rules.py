@@ -78,7 +78,7 @@ def driven(counts, faults, stimulus, words=1):
     rst); for each result the clocks in which its words are taken; and, at the end of the run, the
     clocks, the samples since reset, those taken and those given up.
     """
-    offer, take, rst, give_up = (level.tolist() for level in stimulus.levels(0, 20_000))
+    offer, take, rst, give_up, _ = (level.tolist() for level in stimulus.levels(0, 20_000))
     queue = [[*row, int(fault)] for row, fault in zip(counts.tolist(), faults, strict=True)]
     shown, results, result, waiting, pause = [], [], [], False, False
     taken = lost = 0

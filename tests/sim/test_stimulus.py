@@ -11,8 +11,8 @@ from sculler_sim.stimulus import Stimulus
 
 
 def test_always_is_busy_on_every_clock():
-    offer, take, rst, give_up = Stimulus.always().giving_up().levels(7, 100)
-    assert offer.tolist() == take.tolist() == [1] * 100
+    offer, take, rst, give_up, enable = Stimulus.always().giving_up().levels(7, 100)
+    assert offer.tolist() == take.tolist() == enable.tolist() == [1] * 100
     assert rst.tolist() == give_up.tolist() == [0] * 100
 
 

@@ -75,6 +75,7 @@ SHAPES = {
     f"{CN1.name}-{target}-drop": compact(CN1, target=target, overrun="drop-result")
     for target in ("generic", "ecp5")
 }
+SHAPES[f"{CN1.name}-async"] = compact(CN1, reset="async")
 
 
 @pytest.mark.parametrize("design", tiers(SHAPES))

@@ -111,7 +111,7 @@ def make_manifest(core: Core, verilog_sha256: str) -> Manifest:
 
 def module_ports(design: Design) -> tuple[Port, ...]:
     """Every port of the Verilog module, in order."""
-    return (*clock_ports(), *core_ports(design))
+    return (*clock_ports(design), *core_ports(design))
 
 
 def describe_ports(design: Design) -> list[dict[str, Any]]:

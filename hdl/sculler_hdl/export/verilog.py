@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
+from sculler_hdl.clocked import ClockedCore
 from sculler_hdl.core import build_core
 from sculler_hdl.export.component import component_verilog, rare_collection
 from sculler_hdl.export.further import further_files
@@ -55,7 +56,8 @@ def generate(design: Design) -> Generated:
     with rare_collection():
         core = build_core(design)
         verilog = component_verilog(
-            core,
+            # `clk` and `rst` come by themselves
+            core if design.hardware.clocked_plainly else ClockedCore(core),
             design.name,
             ports,
             _about(design, core.timing),

@@ -36,9 +36,23 @@ class Port(NamedTuple):
         return self.told or _meaning(self.name)
 
 
-def clock_ports() -> list[Port]:
-    """Those that the Verilog module has and the Amaranth component has not."""
-    return [Port("clk", 1), Port("rst", 1)]
+def clock_ports(design: Design) -> list[Port]:
+    """Those that the Verilog module has and the Amaranth component has not: clock, reset, enable.
+
+    The reset is `rst`, or `rst_n` where it is active low.
+    """
+    hardware = design.hardware
+    level = hardware.reset_active or "high"
+    kind = (
+        "asynchronous reset, which ends with the clock"
+        if hardware.resets_at_once
+        else "synchronous reset"
+    )
+    ports = [
+        Port("clk", 1),
+        Port("rst_n" if level == "low" else "rst", 1, told=f"{kind}, active {level}"),
+    ]
+    return [*ports, Port("clk_en", 1)] if hardware.clock_enable else ports
 
 
 def sample_ports(design: Design) -> list[Port]:
@@ -95,6 +109,7 @@ def core_ports(design: Design) -> list[Port]:
 _MEANINGS = {
     "clk": "clock, rising edge",
     "rst": "synchronous reset, active high",
+    "clk_en": "clock enable: while it is low all but the reset stands still",
     "sample_valid": "a sample is offered",
     "sample_ready": "the offered sample is taken in this clock",
     "sample_fault": "the sensor marks this sample; shown in result_status bit 1",

@@ -31,8 +31,12 @@ class Hardware(Part):
             tells.
         initial: whether the text gives registers and memories the values they have before the
             first reset, which is the default.  False leaves them out, for devices and ASICs that
-            have none; then nothing means anything until `rst` has been high in one clock.
+            have none; then nothing means anything until the core has been reset for one clock.
         front: the sensor's wire, where a front end reads it; None without one.
+        reset: "sync", which is the default: it acts with the clock; "async": it acts at once and
+            ends with the clock.
+        reset_active: "high", which is the default: the port is `rst`; "low": it is `rst_n`.
+        clock_enable: whether there is a port `clk_en`, without which everything stands still.
     """
 
     core: Annotated[
@@ -57,18 +61,48 @@ class Hardware(Part):
     ] = None
 
     initial: Annotated[bool | None, Field(description="true or false")] = None
-
     front: Annotated[Front | None, Field(description="a table with sensor and clock_hz")] = None
+    reset: Annotated[Literal["sync", "async"] | None, Field(description='"sync" or "async"')] = None
+    reset_active: Annotated[Literal["high", "low"] | None, Field(description='"high" or "low"')] = (
+        None
+    )
+    clock_enable: Annotated[bool | None, Field(description="true or false")] = None
+
+    @property
+    def resets_at_once(self) -> bool:
+        """Whether the reset is asynchronous."""
+        return self.reset == "async"
+
+    @property
+    def clocked_plainly(self) -> bool:
+        """Whether it has a synchronous active-high reset and no clock enable."""
+        return not (self.reset or self.reset_active or self.clock_enable)
 
     @field_validator("initial")
     @classmethod
     def _with_initial_values_is_left_unsaid(cls, value: bool | None) -> bool | None:
         return None if value else value
 
-    @field_validator("overrun")
+    @field_validator("overrun", "reset", "reset_active")
     @classmethod
     def _the_usual_is_left_unsaid(cls, value: str | None) -> str | None:
-        return None if value == "drop-sample" else value
+        return None if value in ("drop-sample", "sync", "high") else value
+
+    @field_validator("clock_enable")
+    @classmethod
+    def _no_clock_enable_is_left_unsaid(cls, value: bool | None) -> bool | None:
+        return value or None
+
+    @field_validator("reset", "reset_active", "clock_enable")
+    @classmethod
+    def _parts_around_the_core_are_clocked_plainly(cls, value: object, info: ValidationInfo) -> object:
+        for part in ("bus", "front"):
+            if value is not None and info.data.get(part) is not None:
+                raise ValueError(
+                    f"not possible with [hardware.{part}], whose clock and reset are the usual"
+                    " ones: leave it out"
+                )
+        return value
 
     @field_validator("multipliers")
     @classmethod

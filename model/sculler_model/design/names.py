@@ -57,7 +57,7 @@ RESERVED_WORDS = SYSTEM_VERILOG | VHDL
 
 _VHDL_LIBRARIES = frozenset(("work", "std", "ieee"))
 _VERILATORS = frozenset(("std", "randomize"))  # its own package, and a function it parses anywhere
-_PORTS = frozenset(("clk", "rst"))
+_PORTS = frozenset(("clk", "rst", "rst_n", "clk_en"))
 
 
 def name_fault(name: str) -> str | None:

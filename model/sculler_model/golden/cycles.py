@@ -30,6 +30,11 @@ is inside.  The contract of both cores:
   result is never taken back.  After a whole result the next is valid `refill` clocks later at the
   earliest.  `major` counts dropped results too.
 * In a clock with `rst` high nothing is taken; afterwards every output is as at power-up.
+* `reset = "async"`: every output is as at power-up at once, in the clock in which `rst` rises, and
+  stays so in the `RELEASE` clocks after it has fallen, and after power-up; in all of them
+  `sample_ready` is low.  What is offered there counts for nothing.
+* `clock_enable = true`: a clock with `clk_en` low does not count.  Nothing is taken in it and no
+  output changes; but for a reset, which acts in such a clock too.
 """
 
 from __future__ import annotations
@@ -50,6 +55,9 @@ COUNTER_BITS = 16
 
 COUNTER_MAX = (1 << COUNTER_BITS) - 1
 """Where they stay: so many or more."""
+
+RELEASE = 2
+"""Clocks for which a core that resets at once stays in reset after its reset port, or power-up."""
 
 STREAM_PORTS = ("data", "last")
 """The result ports of the stream hand-over, without their `result_`."""
@@ -191,6 +199,8 @@ class CycleModel:
         self._stream = design.hardware.handover == "stream"
         self._work = timing.work or (0,) * phases
         self._clock = 0
+        self._resets_at_once = design.hardware.resets_at_once
+        self._released = RELEASE if self._resets_at_once else 0  # clock that ends a reset
         self._reset()
 
     def _reset(self) -> None:
@@ -205,13 +215,16 @@ class CycleModel:
         self._lost, self._dropped = _Counter(), _Counter()
 
     def ports(self) -> Ports:
-        """What the outputs show during the present clock, before its inputs are known."""
+        """What the outputs show during the present clock, before its inputs are known.
+
+        A reset that acts at once is among those inputs.
+        """
         t = self.golden.t
         last_is_next = (t + 1) % self.design.samples_per_major == 0
         has_work = self._work[t % len(self._work)] > 0
         full = self.timing.dropping is None and len(self._results) == self.timing.results
         ready = (
-            self._clock >= self._next_sample
+            self._clock >= max(self._next_sample, self._released)
             and not (has_work and self._clock < self._engine_free)
             and not (last_is_next and full)
         )
@@ -223,17 +236,27 @@ class CycleModel:
         lost, dropped = self._lost.at(self._clock), self._dropped.at(self._clock)
         return Ports(int(ready), valid, shown, lost, dropped)
 
-    def clock(self, offered: Sample | None, result_ready: int, rst: int = 0) -> Ports:
+    def clock(
+        self, offered: Sample | None, result_ready: int, rst: int = 0, clk_en: int = 1
+    ) -> Ports:
         """Run one clock.
 
         Args:
             offered: the sample on the port where `sample_valid` is high, else None.
-            result_ready, rst: the inputs' levels.
+            result_ready, rst, clk_en: the inputs' levels; `rst` is 1 for a reset, whichever level
+                of the port that is.
 
         Returns:
             The outputs as they were during this clock.
         """
+        if rst and self._resets_at_once:
+            self._released = self._clock + 1 + RELEASE
+            self._reset()
         shown = self.ports()
+        if self._clock < self._released:
+            rst = 1
+        elif not (rst or clk_en):
+            return shown
         takes = offered is not None and shown.sample_ready
         if rst:
             self._clock += 1

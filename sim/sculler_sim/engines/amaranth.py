@@ -10,7 +10,7 @@ from typing import Any
 from amaranth.hdl import ClockDomain, Module
 from amaranth.sim import Simulator
 
-from sculler_hdl import build_core, counter_ports
+from sculler_hdl import ClockedCore, build_core, counter_ports
 from sculler_model.design import AXES, Design
 from sculler_model.errors import InputError
 from sculler_model.golden import Ports, result_ports
@@ -52,8 +52,10 @@ def clocks(design: Design, surroundings: Surroundings, wave: Path | None) -> Ite
 def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) -> Simulator:
     """The core among its surroundings; what the ports show is appended to `seen`."""
     top = Module()
-    top.domains.sync = domain = ClockDomain("sync")
-    top.submodules.core = core = build_core(design, primitive=False)
+    top.submodules.core = core = ClockedCore(build_core(design, primitive=False))
+    top.domains.clock = clock = ClockDomain("clock", reset_less=True)
+    clock.clk = core.clk
+    reset, active = (core.rst_n, 0) if design.hardware.reset_active == "low" else (core.rst, 1)
     sample_ports = [
         getattr(core, f"sample_{sensor}_{axis}") for sensor in ("gyro", "accel") for axis in AXES
     ]
@@ -64,7 +66,9 @@ def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) ->
     def drive(ctx: Any, now: Inputs) -> None:
         ctx.set(core.sample_valid, now.sample_valid)
         ctx.set(core.result_ready, now.result_ready)
-        ctx.set(domain.rst, now.rst)
+        ctx.set(reset, now.rst if active else 1 - now.rst)
+        if design.hardware.clock_enable:
+            ctx.set(core.clk_en, now.clk_en)
         if now.sample is not None:
             gyro, accel, fault = now.sample
             for port, count in zip(sample_ports, (*gyro, *accel), strict=True):
@@ -74,7 +78,7 @@ def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) ->
     # A process, not a test bench: its settings take effect together, in one step of the design.
     async def drive_and_watch(ctx: Any) -> None:
         drive(ctx, surroundings.inputs)
-        watched = ctx.tick().sample(*shown, *counters, *results)
+        watched = ctx.tick("clock").sample(*shown, *counters, *results)
         async for _, _, ready, valid, *others in watched:
             counts, result = others[: len(counters)], others[len(counters) :]
             if not valid:
@@ -87,6 +91,6 @@ def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) ->
             drive(ctx, surroundings.inputs)
 
     simulator = Simulator(top)
-    simulator.add_clock(_PERIOD)
+    simulator.add_clock(_PERIOD, domain="clock")
     simulator.add_process(drive_and_watch)
     return simulator

@@ -9,8 +9,8 @@
 //   SCULLER_COLUMN      words of each of its columns
 // and
 //   SCULLER_LIMBS       64-bit words that a component takes in a row
-// and, where the core drops results,
-//   SCULLER_DROPS
+// and, where the core drops results, has rst_n in place of rst, has clk_en,
+//   SCULLER_DROPS, SCULLER_RESET_LOW, SCULLER_CLOCK_ENABLE
 
 #include <algorithm>
 #include <cerrno>
@@ -95,6 +95,29 @@ struct Core {
 #endif
     }
 };
+
+// In a clock with neither the core stands still.
+void drive_clocking(Core& core, bool rst, bool enable) {
+#ifdef SCULLER_RESET_LOW
+    core.top.rst_n = !rst;
+#else
+    core.top.rst = rst;
+#endif
+#ifdef SCULLER_CLOCK_ENABLE
+    core.top.clk_en = enable;
+#else
+    (void)enable;
+#endif
+}
+
+bool stands_still(bool rst, bool enable) {
+#ifdef SCULLER_CLOCK_ENABLE
+    return !rst && !enable;
+#else
+    (void)rst, (void)enable;
+    return false;
+#endif
+}
 
 template <class Port>
 void drive(Port& port, int64_t value, int bits) {
@@ -214,6 +237,7 @@ struct Levels {
     const uint8_t* take;
     const uint8_t* rst;
     const uint8_t* give_up;
+    const uint8_t* enable;
 };
 
 // Counted on by each call; the fields of sculler_sim.run.Progress.
@@ -227,10 +251,10 @@ EXPORT Core* sculler_create(const char* wave) {
     auto core = std::make_unique<Core>();
 #ifdef SCULLER_RESET_FIRST
     // A core without initial values: one clock of reset, which is not counted.
-    core->top.rst = 1;
+    drive_clocking(*core, true, false);
     core->low();
     core->rise();
-    core->top.rst = 0;
+    drive_clocking(*core, false, false);
     core->clocks = 0;
 #endif
 #ifdef SCULLER_TRACE
@@ -285,9 +309,10 @@ EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* fau
     for (int64_t clock = 0; clock < clocks && (shown || !ended()); ++clock) {
         const bool valid = next < samples && (levels->offer[clock] || core->held) && !core->pause;
         const bool take = levels->take[clock], rst = levels->rst[clock];
+        const bool enable = levels->enable[clock];
         top.sample_valid = valid;
         top.result_ready = take;
-        top.rst = rst;
+        drive_clocking(*core, rst, enable);
         if (next < samples && driven != 2 * next + valid) {
             drive_sample(*core, counts + 6 * next, faults[next], valid);
             driven = 2 * next + valid;
@@ -304,6 +329,12 @@ EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* fau
             *counters++ = top.samples_lost;
             *counters++ = results_dropped(*core);
         }
+        ++p.clocks;
+        ++p.idle;
+        if (stands_still(rst, enable)) {
+            core->rise();
+            continue;
+        }
         core->held = valid;
         core->pause = valid && levels->give_up[clock] && (rst || !top.sample_ready);
         if (core->pause) {
@@ -311,8 +342,6 @@ EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* fau
             ++next;
             ++p.lost;
         }
-        ++p.clocks;
-        ++p.idle;
         if (rst) {
             p.since_reset = p.intervals_told = 0;
             core->words = 0;

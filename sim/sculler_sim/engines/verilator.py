@@ -145,7 +145,7 @@ class _Core:
     def reset(self) -> None:
         """One clock of reset; no sample is offered and no result taken in it."""
         low, high = np.zeros(1, np.uint8), np.ones(1, np.uint8)
-        levels = _Levels.at(Levels(low, low, high, low), 0)
+        levels = _Levels.at(Levels(low, low, high, low, high), 0)
         handshakes, shown = np.empty((1, 2), np.uint8), np.empty((1, self._shown), np.uint64)
         counters = np.empty((1, 2), np.uint16)
         self._call(_NO_COUNTS, _NO_FAULTS, levels, 1, handshakes, shown, counters)

