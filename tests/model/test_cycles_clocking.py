@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sculler_model.design import Design
+from sculler_model.errors import InputError
 from sculler_model.golden import CycleModel, Ports, Timing
 from strategies import make_design, samples_of
 
@@ -101,3 +102,11 @@ def test_the_usual_is_left_unsaid() -> None:
     other = design_with(reset="async", reset_active="low", clock_enable=True)
     assert other.digest != usual.digest
     assert Design.parse(other.as_json()) == other
+
+
+def test_parts_around_the_core_are_clocked_plainly() -> None:
+    for key, value in (("reset", "async"), ("reset_active", "low"), ("clock_enable", True)):
+        with pytest.raises(
+            InputError, match=rf"hardware.{key}: not possible with \[hardware.bus\]"
+        ):
+            design_with(**{key: value}, bus={"result": "axi-lite"})

@@ -95,7 +95,9 @@ class Hardware(Part):
 
     @field_validator("reset", "reset_active", "clock_enable")
     @classmethod
-    def _parts_around_the_core_are_clocked_plainly(cls, value: object, info: ValidationInfo) -> object:
+    def _parts_around_the_core_are_clocked_plainly(
+        cls, value: object, info: ValidationInfo
+    ) -> object:
         for part in ("bus", "front"):
             if value is not None and info.data.get(part) is not None:
                 raise ValueError(
