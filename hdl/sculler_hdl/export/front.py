@@ -14,7 +14,7 @@ from sculler_model.front import Spi
 
 def front_module_ports(design: Design) -> tuple[Port, ...]:
     """Every port of NAME_front, in order."""
-    return (*clock_ports(), *front_ports(design))
+    return (*clock_ports(design), *front_ports(design))
 
 
 def front_files(design: Design) -> Mapping[str, str]:

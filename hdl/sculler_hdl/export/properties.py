@@ -20,6 +20,7 @@ from sculler_hdl.plan.ports import (
 )
 from sculler_hdl.plan.timing import timing
 from sculler_model.design import STATUS_BITS, Design
+from sculler_model.errors import InputError
 from sculler_model.golden import (
     PORT_MAJOR_BITS,
     WORD_BITS,
@@ -58,14 +59,20 @@ def properties(design: Design) -> str:
         design: the design.
 
     Raises:
-        InputError: `hardware.multipliers` are too few.
+        InputError: `hardware.multipliers` are too few, or the design has another reset than the
+            usual, or a clock enable.
     """
+    if not design.hardware.clocked_plainly:
+        raise InputError(
+            "hardware.reset, reset_active, clock_enable: the properties are those of a core with"
+            " the usual reset and no clock enable, leave them out"
+        )
     clocks = timing(design)
     numbers = {**_samples(design, clocks), **_results(design, clocks)}
     held = list(_conditions(design, clocks))
     values = {
         "name": design.name,
-        "ports": ",\n".join(map(_declared, [*clock_ports(), *core_ports(design)])),
+        "ports": ",\n".join(map(_declared, [*clock_ports(design), *core_ports(design)])),
         **numbers,
         "properties": "\n".join(
             f"  wire holds_{name} = {condition};  // {PROPERTIES[name]}" for name, condition in held
@@ -84,7 +91,9 @@ def properties(design: Design) -> str:
 
 
 def property_file(design: Design) -> dict[str, str]:
-    """The same by its file's name."""
+    """The same by its file's name; none for a core with another reset or a clock enable."""
+    if not design.hardware.clocked_plainly:
+        return {}
     return {f"{design.name}_properties.sv": properties(design)}
 
 
