@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -59,7 +60,10 @@ def peaks(folder: Path, hours: float, ending: str, told: Callable[[str], None]) 
     rows: dict[str, Any] = {}
     for verb, words in jobs.items():
         if verb == "convert":
-            _write_foreign(foreign, hours)
+            # in a process of its own: a child's peak begins with what its parent has in memory
+            writer = get_context("spawn").Process(target=_write_foreign, args=(foreign, hours))
+            writer.start()
+            writer.join()
         started = time.perf_counter()
         megabytes = _peak(words)
         rows[verb] = {"peak_mb": megabytes, "seconds": time.perf_counter() - started}
