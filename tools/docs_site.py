@@ -157,9 +157,47 @@ def _epilog(text: str) -> str:
     return cleandoc(text.replace("\b\n", ""))
 
 
+def registers(preset: str) -> str:
+    """The registers of a preset's bus; with all that a design can have."""
+    from sculler_hdl.plan.registers import RegisterMap
+    from sculler_model.design import Design
+
+    base = {**Design.preset(preset).as_json()}
+    hardware = {"overrun": "drop-result", "bus": {"result": "axi-lite"}}
+    hardware["front"] = {"sensor": preset, "clock_hz": 1e8}
+    words = {"r": "read", "rw": "read, write", "w1c": "read, clear by 1", "pulse": "write"}
+    rows = (
+        (
+            f"`{register.address:03X}`" if not number else "",
+            f"`{register.name}`" if not number else "",
+            f"{field.low + field.bits - 1}:{field.low}" if field.bits > 1 else str(field.low),
+            f"`{field.name}`",
+            words[field.access],
+            field.meaning,
+        )
+        for register in RegisterMap(Design.parse({**base, "hardware": hardware})).registers
+        for number, field in enumerate(register.fields)
+    )
+    return _table(("address", "register", "bits", "field", "software", "meaning"), rows)
+
+
+def bus_ports(result: str, *keys: str) -> str:
+    """The ports of NAME_bus on the host's side; `keys` are key=value of [hardware.bus]."""
+    from sculler_hdl.plan.bus_ports import bus_ports as ports_of
+    from sculler_model.design import Design
+
+    bus = {"result": result, **dict(pair.split("=") for pair in keys)}
+    base = {**Design.preset("stim300").as_json(), "hardware": {"bus": bus}}
+    own = [port for port in ports_of(Design.parse(base)) if not port.name.startswith("core_")]
+    rows = ((f"`{p.name}`", p.direction, str(p.bits), p.meaning) for p in own)
+    return _table(("port", "direction", "bits", "meaning"), rows)
+
+
 MAKERS: dict[str, Callable[..., str]] = {
     "design-keys": design_keys,
     "presets": presets,
     "ports": ports,
+    "registers": registers,
+    "bus-ports": bus_ports,
     "commands": commands,
 }

@@ -52,6 +52,12 @@ def test_streams_have_no_registers(result: Any) -> None:
         ({"result": "apb", "depth": 6}, {}, "hardware.bus.depth: 6 is not allowed, give a power"),
         ({"result": "apb", "depth": 1}, {}, "hardware.bus.depth: 1 is not allowed, give a power"),
         ({"result": "apb", "clok": "same"}, {}, "unknown key, did you mean clock"),
+        ({"result": "apb", "sample": "front"}, {}, 'sample: "front" needs [hardware.front]'),
+        (
+            {"result": "apb", "sample": "axi-stream"},
+            {"front": {"sensor": "hg4930", "clock_hz": 1e8}},
+            'sample: "axi-stream" is not possible with [hardware.front]',
+        ),
         ({"result": "apb"}, {"handover": "parallel"}, "not possible with [hardware.bus]"),
     ],
 )

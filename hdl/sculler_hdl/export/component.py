@@ -36,6 +36,7 @@ def component_verilog(
     ports: Sequence[Port],
     about: Sequence[str],
     *,
+    whole: str = "all of it",
     initial: bool = True,
     trees: bool = False,
 ) -> str:
@@ -47,6 +48,7 @@ def component_verilog(
         ports: all of the module's in their order, `clk` and `rst` (of a clock domain `x`: `x_clk`
             and `x_rst`) among them; those of the component's signature keep their names.
         about: lines of the comment at the head, in ASCII; a list of the ports follows them.
+        whole: what stands in the one file.
         initial: whether registers and memories get initial values.
         trees: whether a choice of many, as of a state machine, is written as choices of two; as
             one `casez` it overlaps in Verilator's eyes.
@@ -56,7 +58,7 @@ def component_verilog(
     """
     names = [port.name for port in ports]
     modules = _modules(component, name, names, initial=initial, trees=trees)
-    return wrapped("\n".join([_header(about, ports), *modules, _END]))
+    return wrapped("\n".join([_header(about, ports, whole), *modules, _END]))
 
 
 _ALLOCATIONS = 10_000  # between two looks at the newest objects; old ones are not looked at again
@@ -107,7 +109,7 @@ def _modules(
     return found
 
 
-_BEGIN = "/* verilator lint_off DECLFILENAME */  // the whole core stands in one file"
+_BEGIN = "/* verilator lint_off DECLFILENAME */  // {whole} stands in one file"
 _END = "/* verilator lint_on DECLFILENAME */\n"
 
 _PREPARE = """
@@ -143,11 +145,14 @@ def _yosys(script: str, text: str, top: str) -> str:
     return run.stdout
 
 
-def _header(about: Sequence[str], ports: Sequence[Port]) -> str:
+def _header(about: Sequence[str], ports: Sequence[Port], whole: str) -> str:
     """The comment at the head: what the module is, and its ports."""
     lines = list(about)
     width = max(len(port.name) for port in ports)
     for port in ports:
         size = f"{'signed' if port.declared_signed else 'unsigned'} {port.bits}"
         lines.append(f"{port.direction:<6} {port.name:<{width}}  {size:<12} {port.meaning}")
-    return "".join(f"// {line}".rstrip() + "\n" for line in lines) + f"\n{_BEGIN}\n"
+    return (
+        "".join(f"// {line}".rstrip() + "\n" for line in lines)
+        + f"\n{_BEGIN.format(whole=whole)}\n"
+    )

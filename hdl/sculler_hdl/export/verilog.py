@@ -61,6 +61,7 @@ def generate(design: Design) -> Generated:
             design.name,
             ports,
             _about(design, core.timing),
+            whole="the whole core",
             initial=design.has_initial_values,
         )
     checksum = hashlib.sha256(verilog.encode()).hexdigest()

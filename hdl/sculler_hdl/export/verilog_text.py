@@ -19,6 +19,9 @@ _DECLARED = re.compile(
 )
 
 
+_SYNCHRONISER = dict.fromkeys(("unsettled", "data_out"), '(* ASYNC_REG = "TRUE" *) ')
+"""Registers of `lib.crossing.Synchroniser`, which tools are to leave as they are, side by side."""
+
 WIDEST = 100
 """Characters of a line."""
 
@@ -61,6 +64,7 @@ def tidy(
     own = re.findall(r"\w+", found["ports"])
     first = [*ports, *(port for port in ("clk", "rst") if port in own and port not in ports)]
     order = [*first, *(port for port in own if port not in first)]
+    crossing = re.search(r"^  reg .*\bunsettled;$", found["body"], re.M) is not None
     heads: dict[str, str] = {}
     registers: list[str] = []
     starts: list[str] = []
@@ -72,15 +76,16 @@ def tidy(
             rest.append(line)
             continue
         kind, width, name = declared["kind"], declared["range"] or "", declared["name"]
+        mark = _SYNCHRONISER.get(name, "") if crossing else ""
         if kind in ("input", "output"):
-            heads[name] = f"{kind} {width}{name}"
+            heads[name] = f"{mark}{kind} {width}{name}"
         elif name in heads:
             if kind == "reg":
                 heads[name] = heads[name].replace("output ", "output reg ")
         elif declared["words"]:
             registers.append(f"  (* no_rw_check *) reg {width}{name}{declared['words']};")
         else:
-            (registers if kind == "reg" else wires).append(f"  {kind} {width}{name};")
+            (registers if kind == "reg" else wires).append(f"  {mark}{kind} {width}{name};")
         if declared["init"] and initial:
             starts.append(f"  initial {name} = {declared['init']};")
     body = re.sub(r"^  function (?=\[)", "  function automatic ", "\n".join(rest), flags=re.M)

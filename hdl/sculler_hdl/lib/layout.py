@@ -20,8 +20,9 @@ def is_one_of(value: Value, choices: list[int]) -> Value:
 
 def core_members(design: Design) -> dict[str, wiring.Member]:
     """Ports of the design's core in the order they stand in the Verilog; `clk` and `rst` apart."""
-    return {port.name: (Out if port.output else In)(_shape(port)) for port in core_ports(design)}
+    return {port.name: (Out if port.output else In)(shape_of(port)) for port in core_ports(design)}
 
 
-def _shape(port: Port) -> object:
+def shape_of(port: Port) -> object:
+    """The shape of a port's signal."""
     return signed(port.bits) if port.declared_signed else unsigned(port.bits)

@@ -26,6 +26,7 @@ from sculler_model.design.result import (
     Result,
     columns_of,
 )
+from sculler_model.design.scales import scales_hash
 from sculler_model.design.word_lengths import (
     MAX_BITS,
     ZERO_RANGE,
@@ -63,5 +64,6 @@ __all__ = [
     "cross_range",
     "name_fault",
     "range_of_sum",
+    "scales_hash",
     "word_lengths",
 ]

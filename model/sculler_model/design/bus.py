@@ -61,3 +61,8 @@ class Bus(Part):
     def has_registers(self) -> bool:
         """Whether the host reads and writes registers, and does not get a stream."""
         return self.result not in ("stream", "axi-stream")
+
+    @property
+    def depth_log2(self) -> int:
+        """The results that it holds, as a power of two."""
+        return self.depth.bit_length() - 1

@@ -49,6 +49,7 @@ class Hardware(Part):
     multipliers: Annotated[
         int | None, Field(ge=0, le=4096, description="a whole number from 0 to 4096")
     ] = None
+    front: Annotated[Front | None, Field(description="a table with sensor and clock_hz")] = None
     bus: Annotated[Bus | None, Field(description="a table")] = None
     handover: Annotated[
         Literal["parallel", "stream"] | None,
@@ -61,7 +62,6 @@ class Hardware(Part):
     ] = None
 
     initial: Annotated[bool | None, Field(description="true or false")] = None
-    front: Annotated[Front | None, Field(description="a table with sensor and clock_hz")] = None
     reset: Annotated[Literal["sync", "async"] | None, Field(description='"sync" or "async"')] = None
     reset_active: Annotated[Literal["high", "low"] | None, Field(description='"high" or "low"')] = (
         None
@@ -115,6 +115,21 @@ class Hardware(Part):
         if core == "pipelined" and multipliers == 0:
             raise ValueError('0 is not allowed, give 1 or more, or core = "compact"')
         return multipliers
+
+    @field_validator("bus")
+    @classmethod
+    def _samples_come_from_one_place(cls, bus: Bus | None, info: ValidationInfo) -> Bus | None:
+        front = info.data.get("front") is not None
+        if bus is not None and bus.sample == "front" and not front:
+            raise ValueError(
+                'hardware.bus.sample: "front" needs [hardware.front], give that or leave it out'
+            )
+        if bus is not None and bus.sample == "axi-stream" and front:
+            raise ValueError(
+                'hardware.bus.sample: "axi-stream" is not possible with [hardware.front], which'
+                " gives the samples: leave it out"
+            )
+        return bus
 
     @field_validator("handover")
     @classmethod

@@ -1,0 +1,1 @@
+"""NAME_bus: what stands between the core and a host's bus."""

@@ -1,0 +1,119 @@
+"""AXI4-Lite, as its slave."""
+
+from __future__ import annotations
+
+from amaranth import Module, Mux, Signal, unsigned
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from sculler_hdl.bus.registers import Answer, Request
+from sculler_hdl.plan.registers import ADDRESS_BITS
+
+SLVERR = 0b10
+"""The answer to an access that is an error."""
+
+
+class AxiLite(wiring.Component):
+    """AXI4-Lite slave: one read or write at a time; of both at once they take turns.
+
+    No output depends on an input of the same clock.  Address and data of a write may come in any
+    order.  An error answers SLVERR.
+
+    Members: those of the standard, without `prot`; request (out), answer (in): the registers.
+
+    Latency: of the registers, and two clocks.
+
+    Args:
+        domain: the bus's clock.
+    """
+
+    def __init__(self, domain: str = "sync") -> None:
+        self.domain = domain
+        super().__init__(
+            {
+                "request": Out(Request()),
+                "answer": In(Answer()),
+                "awvalid": In(1),
+                "awready": Out(1),
+                "awaddr": In(unsigned(ADDRESS_BITS)),
+                "wvalid": In(1),
+                "wready": Out(1),
+                "wdata": In(unsigned(32)),
+                "wstrb": In(unsigned(4)),
+                "bvalid": Out(1),
+                "bready": In(1),
+                "bresp": Out(unsigned(2)),
+                "arvalid": In(1),
+                "arready": Out(1),
+                "araddr": In(unsigned(ADDRESS_BITS)),
+                "rvalid": Out(1),
+                "rready": In(1),
+                "rdata": Out(unsigned(32)),
+                "rresp": Out(unsigned(2)),
+            }
+        )
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        clocked = m.d[self.domain]
+        write_address, have_write_address = _held(m, self.domain, self.awvalid, self.awaddr, "aw")
+        write_data, have_write_data = _held(m, self.domain, self.wvalid, self.wdata, "w")
+        strobe = Signal(4)
+        read_address, have_read_address = _held(m, self.domain, self.arvalid, self.araddr, "ar")
+        m.d.comb += [
+            self.awready.eq(~have_write_address),
+            self.wready.eq(~have_write_data),
+            self.arready.eq(~have_read_address),
+        ]
+        with m.If(self.wvalid & self.wready):
+            clocked += strobe.eq(self.wstrb)
+
+        # an answer is awaited; to a write
+        busy = Signal()
+        writing = Signal()
+        request, answer = self.request, self.answer
+        can_write = Signal()
+        can_read = Signal()
+        write = Signal()
+        m.d.comb += [
+            can_write.eq(have_write_address & have_write_data & ~self.bvalid),
+            can_read.eq(have_read_address & ~self.rvalid),
+            write.eq(can_write & ~(can_read & writing)),  # after a write a read comes first
+            request.valid.eq(~busy & (can_write | can_read)),
+            request.write.eq(write),
+            request.address.eq(Mux(write, write_address, read_address)),
+            request.data.eq(write_data),
+            request.strobe.eq(strobe),
+            answer.ready.eq(1),
+        ]
+        with m.If(request.valid & request.ready):
+            clocked += [busy.eq(1), writing.eq(write)]
+            with m.If(write):
+                clocked += [have_write_address.eq(0), have_write_data.eq(0)]
+            with m.Else():
+                clocked += have_read_address.eq(0)
+        with m.If(self.bready):
+            clocked += self.bvalid.eq(0)
+        with m.If(self.rready):
+            clocked += self.rvalid.eq(0)
+        with m.If(busy & answer.valid):
+            clocked += busy.eq(0)
+            with m.If(writing):
+                clocked += [self.bvalid.eq(1), self.bresp.eq(Mux(answer.error, SLVERR, 0))]
+            with m.Else():
+                clocked += [
+                    self.rvalid.eq(1),
+                    self.rdata.eq(answer.data),
+                    self.rresp.eq(Mux(answer.error, SLVERR, 0)),
+                ]
+        return m
+
+
+def _held(
+    m: Module, domain: str, valid: Signal, payload: Signal, name: str
+) -> tuple[Signal, Signal]:
+    """What has come on a channel, and whether something has; it is cleared by who uses it."""
+    held, have = Signal.like(payload, name=f"{name}_held"), Signal(name=f"{name}_have")
+    with m.If(valid & ~have):
+        m.d[domain] += [held.eq(payload), have.eq(1)]
+    return held, have

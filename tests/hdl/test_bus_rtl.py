@@ -1,0 +1,176 @@
+"""The emitted unit, driven by other people's bus masters in Icarus."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sculler_hdl import generate
+from sculler_model.design import Design
+from sculler_model.golden import GoldenModel
+from strategies import make_design, samples_of
+from tiers import few_of
+
+COSIM = Path(__file__).parents[1] / "cosim"
+
+
+def bus_design(result: str, core: str = "compact", **bus: Any) -> Design:
+    hardware = {"core": core, "bus": {"result": result, **bus}}
+    return make_design("narrow", 2, 1, 2, (8, 8), hardware=hardware)
+
+
+def job_of(design: Design, seed: int, majors: int) -> dict[str, Any]:
+    """What the bench must know; addresses are written here by hand, as the page has them."""
+    bus = design.hardware.bus
+    assert bus is not None
+    per = design.samples_per_major
+    counts, faults = samples_of(design, majors * per, seed)
+    samples = [(*map(int, row), int(fault)) for row, fault in zip(counts, faults, strict=True)]
+    rows = GoldenModel(design).run((s[:3], s[3:6], bool(s[6])) for s in samples)
+    widest = max(getattr(design.words, name).bits for name in design.vectors)
+    words = -(-widest // 32)
+    window = [
+        [name, [0x800 + 4 * words * number, words], number > 1]
+        for number, name in enumerate(design.columns)
+    ]
+    end = 0x800 + 4 * words * len(design.columns)
+    if bus.time_stamps:
+        window += [
+            ["sample_time", [end, 2], False],
+            ["result_time", [end + 8, 2], False],
+            ["pulse_time", [end + 16, 2], False],
+            ["pulses", [end + 24, 1], False],
+        ]
+    return {
+        "kind": bus.result,
+        "sample": bus.sample,
+        "clock": bus.clock,
+        "bus_period_ps": 7_300 if seed % 2 else 23_700,
+        "seed": seed,
+        "samples": samples,
+        "results": [list(row.row()) for row in rows],
+        "columns": list(design.columns),
+        "per_interval": per,
+        "time_stamps": bus.time_stamps,
+        "window": window,
+        "nowhere": 0x7FC,
+        "constants": {"identity": 0x5343_554C, "version": 0x0001_0000},
+        "addresses": {
+            "identity": 0x000,
+            "version": 0x004,
+            "control": 0x014,
+            "status": 0x018,
+            "faults": 0x01C,
+            "interrupt_enable": 0x020,
+            "pop": 0x028,
+            "samples": 0x030,
+            "results": 0x034,
+            "samples_lost": 0x038,
+            "time_low": 0x060,
+            "time_high": 0x064,
+            **{
+                f"inject_{sensor}_{axis}": 0x080 + 12 * (sensor == "accel") + 4 * "xyz".index(axis)
+                for sensor in ("gyro", "accel")
+                for axis in "xyz"
+            },
+            "inject_push": 0x098,
+        },
+    }
+
+
+def run_bench(design: Design, folder: Path, module: str, job: dict[str, Any], tests: int) -> None:
+    """Compile the unit with Icarus and run the tests of a module of `cosim`."""
+    if shutil.which("iverilog") is None:
+        pytest.skip("Icarus Verilog is not installed")
+    runner = pytest.importorskip("cocotb_tools.runner", reason="cocotb is not installed")
+    made = generate(design)
+    sources = []
+    texts = {f"{design.name}.v": made.verilog, **made.further}
+    texts |= {f"{cell}.v": text for cell, text in made.cells.items()}
+    for name, text in texts.items():
+        if name.endswith(".v"):
+            sources.append(folder / name)
+            sources[-1].write_text(text)
+    (folder / "job.json").write_text(json.dumps(job))
+    simulator = runner.get_runner("icarus")
+    top = f"{design.name}_unit"
+    simulator.build(
+        sources=sources,
+        hdl_toplevel=top,
+        build_dir=folder,
+        build_args=["-g2005", "-Wall"],
+        timescale=("1ps", "1ps"),
+        log_file=folder / "build.log",
+    )
+    results = folder / "results.xml"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(COSIM))  # the simulator's Python gets this path
+        patch.setenv("SCULLER_BENCH", str(folder / "job.json"))
+        patch.setenv("COCOTB_LOG_LEVEL", "WARNING")
+        try:
+            simulator.test(
+                test_module=module,
+                hdl_toplevel=top,
+                build_dir=folder,
+                test_dir=folder,
+                log_file=folder / "run.log",
+                results_xml=str(results),
+            )
+        except SystemExit:
+            pytest.fail((folder / "run.log").read_text()[-4000:])
+    assert runner.get_results(results) == (tests, 0)
+
+
+REGISTERS: dict[str, dict[str, Any]] = {
+    "axi-lite": {"result": "axi-lite"},
+    "axi-lite-separate": {"result": "axi-lite", "clock": "separate"},
+    "axi-lite-fast-core": {"result": "axi-lite", "core": "pipelined", "depth": 2},
+    "axi-lite-no-stamps": {"result": "axi-lite", "time_stamps": False},
+    "apb": {"result": "apb"},
+    "apb-separate": {"result": "apb", "clock": "separate", "depth": 16},
+    "wishbone": {"result": "wishbone"},
+    "wishbone-separate": {"result": "wishbone", "clock": "separate"},
+    "wishbone-pipelined": {"result": "wishbone-pipelined"},
+    "wishbone-pipelined-separate": {"result": "wishbone-pipelined", "clock": "separate"},
+}
+
+PACKETS: dict[str, dict[str, Any]] = {
+    "axi-stream": {"result": "axi-stream"},
+    "axi-stream-separate": {"result": "axi-stream", "sample": "axi-stream", "clock": "separate"},
+    "axi-stream-samples": {"result": "axi-stream", "sample": "axi-stream", "time_stamps": False},
+    "axi-stream-fast-core": {"result": "axi-stream", "core": "pipelined"},
+    "stream": {"result": "stream", "depth": 2},
+    "stream-separate": {"result": "stream", "clock": "separate"},
+}
+
+
+def masters(result: str) -> str:
+    """The package that has the bus's master."""
+    kind = result.partition("-")[0]
+    return {"axi": "cocotbext.axi", "stream": "cocotbext.axi"}.get(kind, f"cocotbext.{kind}")
+
+
+@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.deep)])
+@pytest.mark.parametrize(
+    "keys", few_of(REGISTERS, ["axi-lite-separate", "apb", "wishbone", "wishbone-pipelined"])
+)
+def test_registers(keys: dict[str, Any], seed: int, tmp_path: Path) -> None:
+    """Somebody's master reads the golden model's results, under stalls of every channel."""
+    pytest.importorskip(masters(keys["result"]), reason="the bus's master is not installed")
+    design = bus_design(**keys)
+    majors = 5 if seed == 3 else 30
+    run_bench(design, tmp_path, "bus_bench", job_of(design, seed, majors), 2)
+
+
+@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.deep)])
+@pytest.mark.parametrize("keys", few_of(PACKETS, ["axi-stream-separate", "stream"]))
+def test_packets(keys: dict[str, Any], seed: int, tmp_path: Path) -> None:
+    """Packets are the golden model's results, whatever stalls."""
+    pytest.importorskip("cocotbext.axi", reason="the bus's master is not installed")
+    design = bus_design(**keys)
+    majors = 5 if seed == 3 else 30
+    run_bench(design, tmp_path, "packet_bench", job_of(design, seed, majors), 1)

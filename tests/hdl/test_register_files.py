@@ -1,0 +1,144 @@
+"""The registers in SystemRDL and in C, read by others, tell the same."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sculler_hdl import generate
+from sculler_model.design import Design, scales_hash
+from strategies import make_design
+
+Facts = dict[str, tuple[int, int]]
+"""Of each field: the address of its register, and its mask.  Window: address, and words."""
+
+
+def designs() -> dict[str, Design]:
+    plain = make_design(
+        "plain", 2, 1, 2, (8, 8), hardware={"core": "compact", "bus": {"result": "apb"}}
+    )
+    full = Design.parse(
+        {
+            "preset": "stim300",
+            "algorithm": {"position": "high-resolution"},
+            "hardware": {
+                "overrun": "drop-result",
+                "core": "compact",
+                "front": {"sensor": "stim300", "clock_hz": 1e8},
+                "bus": {"result": "axi-lite", "clock": "separate"},
+            },
+        }
+    )
+    bare = make_design(
+        "bare",
+        2,
+        1,
+        2,
+        (8, 8),
+        hardware={"core": "compact", "bus": {"result": "wishbone", "time_stamps": False}},
+    )
+    return {design.name: design for design in (plain, full, bare)}
+
+
+DESIGNS = pytest.mark.parametrize("design", designs().values(), ids=designs())
+
+
+def from_rdl(text: str, folder: Path) -> tuple[Facts, dict[str, int]]:
+    """What systemrdl-compiler reads: fields, and their reset values."""
+    pytest.importorskip("systemrdl", reason="systemrdl-compiler is not installed")
+    from systemrdl import RDLCompiler
+    from systemrdl.node import RegNode
+
+    path = folder / "registers.rdl"
+    path.write_text(text)
+    compiler = RDLCompiler()
+    compiler.compile_file(str(path))
+    facts: Facts = {}
+    resets: dict[str, int] = {}
+    for node in compiler.elaborate().top.descendants():
+        if not isinstance(node, RegNode):
+            continue
+        if node.is_array:
+            assert node.array_stride == 4
+            facts[node.inst_name] = (node.raw_address_offset, node.n_elements)
+            continue
+        for field in node.fields():
+            name = f"{node.inst_name}_{field.inst_name}"
+            mask = (1 << field.high + 1) - (1 << field.low)
+            facts[name] = (node.absolute_address, mask)
+            reset: Any = field.get_property("reset")
+            if reset is not None:
+                resets[name] = reset
+    return facts, resets
+
+
+def from_c(text: str, name: str, folder: Path) -> tuple[Facts, dict[str, int]]:
+    """What the C compiler's preprocessor makes of the header's names."""
+    if shutil.which("gcc") is None:
+        pytest.skip("gcc is not installed")
+    path = folder / "registers.h"
+    path.write_text(text)
+    command = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-E", "-dM", path]
+    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    prefix = name.upper() + "_"
+    found = re.findall(rf"^#define {prefix}(\w+) (0x[0-9A-F]+|\d+)u$", said, re.M)
+    values = {key: int(value, 0) for key, value in found}
+    facts: Facts = {}
+    for key, value in values.items():
+        if key.endswith("_MASK"):
+            register = max(
+                (k for k in values if key.startswith(k + "_") and f"{k}_SHIFT" not in values),
+                key=len,
+            )
+            facts[key.removesuffix("_MASK").lower()] = (values[register], value)
+            shift = values[key.replace("_MASK", "_SHIFT")]
+            assert value >> shift & 1
+            assert value & ((1 << shift) - 1) == 0
+        if key.endswith("_WORDS") and key != "RESULT_WORDS":
+            facts[key.removesuffix("_WORDS").lower()] = (values[key.removesuffix("_WORDS")], value)
+    resets = {
+        k.removesuffix("_RESET").lower(): v for k, v in values.items() if k.endswith("_RESET")
+    }
+    return facts, resets
+
+
+@DESIGNS
+def test_systemrdl_and_c_agree(design: Design, tmp_path: Path) -> None:
+    texts = generate(design).further
+    rdl = from_rdl(texts[f"{design.name}.rdl"], tmp_path)
+    header = from_c(texts[f"{design.name}_regs.h"], design.name, tmp_path)
+    assert rdl == header
+
+
+@DESIGNS
+def test_every_column_has_an_address(design: Design, tmp_path: Path) -> None:
+    """By what the page says: from 800 on, each column the same number of words."""
+    facts, _ = from_rdl(generate(design).further[f"{design.name}.rdl"], tmp_path)
+    widest = max(getattr(design.words, name).bits for name in design.vectors)
+    words = -(-widest // 32)
+    for number, column in enumerate(design.columns):
+        assert facts[f"result_{column}"] == (0x800 + 4 * words * number, words)
+    assert ("result_sample_time" in facts) == (design.name != "bare")
+
+
+@DESIGNS
+def test_constants(design: Design, tmp_path: Path) -> None:
+    _, resets = from_rdl(generate(design).further[f"{design.name}.rdl"], tmp_path)
+    assert resets["identity_value"] == int.from_bytes(b"SCUL", "big")
+    assert resets["scales_value"] == scales_hash(design)
+    assert resets["design_value"] == int(design.digest, 16) >> 224
+    assert resets["format_columns"] == len(design.columns)
+
+
+def test_the_scales_hash_changes_with_the_scales_alone() -> None:
+    base = {"preset": "hg4930", "name": "one"}
+    one = Design.parse(base)
+    assert scales_hash(Design.parse({**base, "name": "two"})) == scales_hash(one)
+    other = one.as_json()
+    other["sensor"]["gyro"]["lsb"] *= 1.5
+    assert scales_hash(Design.parse(other)) != scales_hash(one)
