@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from sculler_hdl import cell_models, generate
+from sculler_model.design import Design
 from strategies import DESIGNS, with_hardware
 from tiers import tiers
 
@@ -40,7 +41,18 @@ _BUSES: dict[str, dict[str, Any]] = {
     },
     "bus-stream": {"result": "stream"},
 }
-QUICK_BUSES = ["bus-axi-lite-separate", "bus-axi-stream-separate"]
+QUICK_BUSES = ["bus-front", "bus-axi-lite-separate", "bus-axi-stream-separate"]
+VARIANTS["bus-front"] = Design.parse(
+    {
+        "preset": "hg4930",
+        "name": "front_to_bus",
+        "hardware": {
+            "core": "compact",
+            "front": {"sensor": "hg4930", "clock_hz": 1e8},
+            "bus": {"result": "apb"},
+        },
+    }
+)
 VARIANTS |= {
     name: with_hardware(DESIGNS["dense_odd_3"], core="compact", bus=bus)
     for name, bus in _BUSES.items()

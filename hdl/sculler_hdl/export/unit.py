@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from sculler_hdl.export.front import front_module_ports
 from sculler_hdl.export.manifest import module_ports
 from sculler_hdl.export.verilog_text import wrapped
 from sculler_hdl.plan.bus_ports import CORE, bus_ports
@@ -44,10 +45,15 @@ def unit_instances(design: Design) -> tuple[Instance, ...]:
         port.name: f"{CORE}{port.name}" if f"{CORE}{port.name}" in known else port.name
         for port in core
     }
-    return (
+    parts = [
         Instance(name, "core", core, inner),
         Instance(f"{name}_bus", "result_bus", bus, {port.name: port.name for port in bus}),
-    )
+    ]
+    if design.front is not None:
+        front = front_module_ports(design)
+        nets = {port.name: "front_rst" if port.name == "rst" else port.name for port in front}
+        parts.insert(0, Instance(f"{name}_front", "front", front, nets))
+    return tuple(parts)
 
 
 def unit_ports(design: Design) -> tuple[Port, ...]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from sculler_hdl.plan.front import front_counter_ports
 from sculler_hdl.plan.ports import Port, clock_ports, core_ports, counter_ports, sample_ports
-from sculler_hdl.plan.registers import ADDRESS_BITS, FRONT_COUNTERS
+from sculler_hdl.plan.registers import ADDRESS_BITS
 from sculler_model.design import STATUS_BITS, Bus, Design
 
 CORE = "core_"
@@ -49,7 +50,7 @@ def bus_ports(design: Design) -> tuple[Port, ...]:
 
 def front_ports() -> list[Port]:
     """Those that a sensor front end drives beside the sample."""
-    counters = [Port(name, 32, told=meaning) for name, meaning in FRONT_COUNTERS]
+    counters = [port._replace(output=False) for port in front_counter_ports()]
     instant = Port("sample_instant", 1, told="the moment that the next sample's time stamp tells")
     return [
         instant,
@@ -60,7 +61,7 @@ def front_ports() -> list[Port]:
 
 def has_front(design: Design) -> bool:
     """Whether samples come from a sensor front end."""
-    return getattr(design.hardware, "front", None) is not None
+    return design.front is not None
 
 
 def takes_packets(design: Design) -> bool:

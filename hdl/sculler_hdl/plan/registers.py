@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+from sculler_hdl.plan.front import front_counter_ports
 from sculler_hdl.plan.result_window import ResultWindow
 from sculler_model.design import STATUS_BITS, Design, scales_hash
 
@@ -29,13 +30,7 @@ IDENTITY = int.from_bytes(b"SCUL", "big")
 VERSION = 1 << 16
 """Of this table: the major number in the upper half, the minor one in the lower."""
 
-FRONT_COUNTERS = (
-    ("frames_taken", "samples that the front end took from the sensor"),
-    ("frames_bad", "frames whose checksum was wrong"),
-    ("frames_missed", "samples that were missing by the sensor's counter, replaced by fault ones"),
-    ("frames_late", "time-outs: no frame came when one was due"),
-    ("sensor_faults", "frames in which the sensor told of a fault"),
-)
+FRONT_COUNTERS = tuple((port.name, port.told) for port in front_counter_ports())
 """The outputs of a sensor front end that count, of 32 bits each, and what they count."""
 
 
@@ -121,7 +116,7 @@ class RegisterMap:
     @property
     def has_front(self) -> bool:
         """Whether there is a sensor front end."""
-        return getattr(self.design.hardware, "front", None) is not None
+        return self.design.front is not None
 
     def __getitem__(self, name: str) -> Register:
         return next(register for register in self.registers if register.name == name)
@@ -252,7 +247,9 @@ class RegisterMap:
                 yield Register(name, address, f"{meaning}, {lost}", (field,))
         if self.has_front:
             for number, (name, meaning) in enumerate(FRONT_COUNTERS):
-                yield _whole(name, 0x040 + 4 * number, f"{meaning}; at its highest: or more")
+                yield _whole(
+                    name, 0x040 + 4 * number, f"{meaning}; at its highest: so many or more"
+                )
 
     def _times(self) -> Iterator[Register]:
         if not self.window.time_stamps:
