@@ -39,7 +39,7 @@ def bus_ports(design: Design) -> tuple[Port, ...]:
         Port("bus_rst", 1, told="its synchronous reset, active high, together with rst"),
     ]
     return (
-        *clock_ports(),
+        *clock_ports(design),
         *(bus_clock if bus.clock == "separate" else []),
         *_sample_side(design),
         *_core_side(design),
