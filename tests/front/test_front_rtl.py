@@ -134,7 +134,7 @@ def accounted(run: Run, line: Line) -> None:
 
 
 @needs_icarus
-@pytest.mark.parametrize("case", few_of(CASES, ["stim300"]))
+@pytest.mark.parametrize("case", few_of(CASES, []))
 def test_every_fault_on_the_line_is_accounted_for(
     case: tuple[Design, str, int], tmp_path: Path
 ) -> None:

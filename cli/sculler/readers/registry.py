@@ -33,6 +33,7 @@ MODULES = {
     "adis16470": "raw.adis",
     "adis16470-32": "raw.adis",
     "hg4930": "raw.hg4930",
+    "front": "raw.front",
 }
 """Names of formats, and of the modules."""
 

@@ -86,7 +86,7 @@ def raw_format(name: str, about: str, protocol: Callable[[], RawProtocol]) -> Fo
     """The format of a protocol's logs."""
 
     def open_raw(path: Path, request: Request) -> Recording:
-        return _recording(path, protocol(), request)
+        return recording_of(path, protocol(), request)
 
     def looks(head: Head) -> float:
         # what the bytes say of themselves goes before: a chance hit has no such share
@@ -95,7 +95,12 @@ def raw_format(name: str, about: str, protocol: Callable[[], RawProtocol]) -> Fo
     return Format(name, about, open_raw, UNITS, looks)
 
 
-def _recording(path: Path, protocol: RawProtocol, request: Request) -> Recording:
+def recording_of(path: Path, protocol: RawProtocol, request: Request) -> Recording:
+    """The samples of a raw log with clock and units.
+
+    Raises:
+        InputError: the file cannot be read, is empty, or is of no such datagrams.
+    """
     try:
         with path.open("rb") as file:
             head = np.frombuffer(file.read(_HEAD_BYTES), np.uint8)

@@ -202,6 +202,12 @@ class Plan:
 
         layout = self.layout
         columns_given = layout.gyro_columns is not None or layout.accel_columns is not None
+        front = self.design.hardware.front
+        if front is not None and front.frame is not None and not columns_given:
+            from sculler.readers.raw.front import are_frames
+
+            if are_frames(self.log, front.frame.layout):
+                return "front"
         return detect(self.log, layout.delimiter, layout.skip_rows or 0, columns_given)
 
     def mounting(self, log_format: str) -> Mounting:

@@ -1,0 +1,118 @@
+"""The emitted front end on somebody else's UART and on SPI, with noise and cuts."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from front_designs import design_of, made
+from front_runs import run_model
+from sculler_hdl import generate
+from sculler_model.design import Design
+from sculler_model.front import Spi, Uart
+from tiers import few_of
+
+COSIM = Path(__file__).parents[1] / "cosim"
+SLOW = 16 * 921600.0
+CASES = {
+    "stim300": (design_of("stim300", clock_hz=SLOW), "stim300"),
+    "stim300 at 100 MHz": (design_of("stim300"), "stim300"),
+    "custom": (design_of("custom", clock_hz=SLOW), "custom"),
+    "hg4930": (design_of("hg4930", 1000.0, clock_hz=16e6), "hg4930"),
+    "adis16505": (design_of("adis16505", clock_hz=8e6), "adis16505"),
+    "adis16470": (design_of("adis16470", clock_hz=25e6), "adis16470"),
+}
+
+
+def counts(number: int) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
+    return (number, -number, 1000 + number), (77 * number, 5, -3 * number)
+
+
+def job_of(design: Design, name: str) -> dict[str, Any]:
+    """Frames of which some are damaged, cut or lost; what the model makes of them."""
+    link = design.front
+    assert link is not None
+    rng = random.Random(name)
+    spi = isinstance(link.wire, Spi)
+    faults = {3: "bit", 6: "lost", 8: "status"} | ({} if spi else {10: "cut", 12: "garbage"})
+    faults |= dict.fromkeys(range(15, 22), "lost")
+    frames: list[tuple[int, bytes]] = []
+    stream: list[tuple[int, int]] = []
+    interval = 1e9 / link.sample_rate_hz
+    for number in range(25):
+        frame = bytearray(made(name, *counts(number), number))
+        fault = faults.get(number)
+        if fault == "bit":
+            frame[rng.randrange(2, len(frame))] ^= 0x20
+        elif fault == "cut":
+            del frame[len(frame) // 2 :]
+        elif fault == "garbage":
+            frame += rng.randbytes(2)
+        if fault == "lost":
+            continue
+        time = round(20_000 + number * interval)
+        frames.append((time, bytes(frame)))
+        # a time-out comes half an interval from any frame: when bytes are whole, about, will do
+        clock = round((time + (0.5 if spi else 0.4) * interval) * link.clock_hz / 1e9)
+        stream += [(clock, byte) for byte in frame]
+    end = round(20_000 + 25.2 * interval)
+    model = run_model(design, stream, round(end * link.clock_hz / 1e9))
+    return {
+        "wire": "spi" if spi else "uart",
+        "baud": link.wire.baud if isinstance(link.wire, Uart) else 0,
+        "period_ps": round(1e12 / link.clock_hz / 2) * 2,
+        "frames": [(time, frame.hex()) for time, frame in frames],
+        "pulses": 3 if name == "stim300" else 0,
+        "pulse_ns": 100,
+        "samples": [[*six, fault] for six, fault in model.samples],
+        "counters": model.counters,
+        "end": end,
+    }
+
+
+@pytest.mark.parametrize("case", few_of(CASES, ["stim300", "adis16505"]))
+def test_what_is_sent_is_read(case: tuple[Design, str], tmp_path: Path) -> None:
+    design, name = case
+    if shutil.which("iverilog") is None:
+        pytest.skip("Icarus Verilog is not installed")
+    runner = pytest.importorskip("cocotb_tools.runner", reason="cocotb is not installed")
+    if name[:4] != "adis":
+        pytest.importorskip("cocotbext.uart", reason="cocotbext-uart is not installed")
+    job = job_of(design, name)
+    assert job["counters"]["frames_bad"] >= 1
+    assert job["counters"]["frames_late"] >= 1
+    assert len(job["samples"]) == 25  # time does not slip
+    (tmp_path / "job.json").write_text(json.dumps(job))
+    top = f"{design.name}_front"
+    source = tmp_path / f"{top}.v"
+    source.write_text(generate(design).further[source.name])
+    simulator = runner.get_runner("icarus")
+    simulator.build(
+        sources=[source],
+        hdl_toplevel=top,
+        build_dir=tmp_path,
+        build_args=["-g2005", "-Wall"],
+        timescale=("1ps", "1ps"),
+        log_file=tmp_path / "build.log",
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(COSIM))  # the simulator's Python gets this path
+        patch.setenv("SCULLER_BENCH", str(tmp_path / "job.json"))
+        patch.setenv("COCOTB_LOG_LEVEL", "WARNING")
+        try:
+            simulator.test(
+                test_module="wire_bench",
+                hdl_toplevel=top,
+                build_dir=tmp_path,
+                test_dir=tmp_path,
+                log_file=tmp_path / "run.log",
+                results_xml=str(tmp_path / "results.xml"),
+            )
+        except SystemExit:
+            pytest.fail((tmp_path / "run.log").read_text()[-4000:])
+    assert runner.get_results(tmp_path / "results.xml")[1] == 0
