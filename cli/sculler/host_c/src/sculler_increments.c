@@ -22,55 +22,32 @@ uint64_t sculler_results_missing(uint64_t last_major, uint64_t major, unsigned b
 
 /* ---- integers ------------------------------------------------------------------------------- */
 
-static void from_parts(uint64_t *limbs, size_t limb_count, size_t part, unsigned bits, uint32_t value)
-{
-    size_t place = part * bits;
-    if (place / 64u < limb_count) {
-        limbs[place / 64u] |= (uint64_t)value << (place % 64u);
-    }
-}
-
-/* Fill the limbs above so many bits with the sign; bits is > 0. */
-static void extend(uint64_t *limbs, size_t limb_count, size_t bits)
-{
-    size_t top = (bits - 1u) / 64u, used = (bits - 1u) % 64u + 1u;
-    if (top >= limb_count) {
-        return;
-    }
-    bool negative = (limbs[top] >> (used - 1u) & 1u) != 0u;
-    if (negative && used < 64u) {
-        limbs[top] |= ~UINT64_C(0) << used;
-    }
-    for (size_t i = top + 1u; i < limb_count; i++) {
-        limbs[i] = negative ? ~UINT64_C(0) : 0u;
-    }
-}
-
-static void clear(uint64_t *limbs, size_t limb_count)
-{
-    for (size_t i = 0; i < limb_count; i++) {
-        limbs[i] = 0;
-    }
-}
-
 void sculler_integer_from_words(
     const uint16_t *words, size_t word_count, uint64_t *limbs, size_t limb_count)
 {
-    clear(limbs, limb_count);
-    for (size_t i = 0; i < word_count; i++) {
-        from_parts(limbs, limb_count, i, 16u, words[i]);
+    uint16_t above = words[word_count - 1u] > 0x7FFFu ? 0xFFFFu : 0u; /* the sign goes on */
+    size_t place = 0;
+    for (size_t i = 0; i < limb_count; i++) {
+        uint32_t part[4];
+        for (size_t k = 0; k < 4u; k++) {
+            part[k] = place < word_count ? words[place] : above;
+            place++;
+        }
+        uint32_t low = part[0] | part[1] << 16, high = part[2] | part[3] << 16;
+        limbs[i] = (uint64_t)high << 32 | low;
     }
-    extend(limbs, limb_count, 16u * word_count);
 }
 
 void sculler_integer_from_registers(
     const uint32_t *registers, size_t register_count, uint64_t *limbs, size_t limb_count)
 {
-    clear(limbs, limb_count);
-    for (size_t i = 0; i < register_count; i++) {
-        from_parts(limbs, limb_count, i, 32u, registers[i]);
+    uint32_t above = registers[register_count - 1u] > 0x7FFFFFFFu ? 0xFFFFFFFFu : 0u;
+    for (size_t i = 0; i < limb_count; i++) {
+        size_t place = 2u * i;
+        uint32_t low = place < register_count ? registers[place] : above;
+        uint32_t high = place + 1u < register_count ? registers[place + 1u] : above;
+        limbs[i] = (uint64_t)high << 32 | low;
     }
-    extend(limbs, limb_count, 32u * register_count);
 }
 
 /* An integer of one limb converts as the compiler does it, rounded to nearest.  Of a longer one the
@@ -78,6 +55,14 @@ void sculler_integer_from_registers(
  * is, so that the one rounding of 64 bits is that of the whole integer. */
 double sculler_integer_to_double(const uint64_t *limbs, size_t limb_count)
 {
+    if (limb_count == 1u) {
+        bool below_zero = limbs[0] >> 63 != 0u;
+        uint64_t magnitude = limbs[0];
+        if (below_zero) {
+            magnitude = ~magnitude + 1u;
+        }
+        return below_zero ? -(double)magnitude : (double)magnitude;
+    }
     bool negative = limbs[limb_count - 1u] >> 63 != 0u;
     uint64_t flip = negative ? ~UINT64_C(0) : UINT64_C(0);
     uint64_t carry = negative ? UINT64_C(1) : UINT64_C(0); /* the size is the complement and one */

@@ -1,0 +1,54 @@
+"""The study of the host in C on small processors: it measures, and says what it cannot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from sculler.main import run_command
+from studies.host_c.command import PAGE, command
+from studies.host_c.measure import measure
+from studies.host_c.page import GOAL_BYTES, GOAL_INSTRUCTIONS, document
+from studies.host_c.targets import TARGETS
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize(
+    "key",
+    ["rv64gc", *(pytest.param(key, marks=pytest.mark.deep) for key in ("m7", "m4f", "rv32im"))],
+)
+def test_a_processor_is_measured(key: str) -> None:
+    one = next(each for each in TARGETS if each.key == key)
+    if one.missing is not None:
+        pytest.skip(f"needs {one.missing}")
+    found = measure(one)
+    assert all(count > 100 for count in found.instructions)
+    assert 300 < found.data[0] < 600 < found.stack < 4096
+    assert sum(found.code[:2]) < found.whole + 4096
+    if one.double:
+        assert found.update <= GOAL_INSTRUCTIONS
+        assert found.whole <= GOAL_BYTES
+    text = document([found])
+    assert f"{found.update:,.0f}" in text
+    assert f"{found.whole:,}" in text
+
+
+def test_the_page_is_of_this_command() -> None:
+    text = (ROOT / "docs/explanation" / PAGE).read_text()
+    assert "python -m studies.host_c" in text
+    for heading in ("## Instructions an update", "## Memory, bytes"):
+        assert heading in text
+
+
+def test_what_cannot_be_measured_is_said(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert run_command(command, ["-o", str(tmp_path)], "study") == 2
+    said = capsys.readouterr().err
+    assert "no processor can be measured" in said
+    assert "arm-none-eabi-gcc" in said
+    assert run_command(command, ["--only", "z80"], "study") == 2
+    assert "--only z80: not known, give one of m7, m4f" in capsys.readouterr().err
