@@ -41,7 +41,12 @@ mount_options = group(
             help=text,
         )
         for flag, name, default, metavar, text, above in _MOUNT
-    )
+    ),
+    click.option(
+        "--cascade",
+        is_flag=True,
+        help="The rotary modes do not act back on the linear one, as Savage seems to have it.",
+    ),
 )
 """The mount; left out, that of Savage-98 section VI; see `mount`."""
 
@@ -58,4 +63,5 @@ def mount(options: Mapping[str, Any]) -> Mount:
         rotary_hz=options["rotary_hz"],
         rotary_damping=options["rotary_damping"],
         spacing=options["spacing"],
+        cascade=options["cascade"],
     )

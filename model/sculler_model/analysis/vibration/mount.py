@@ -36,6 +36,7 @@ class Mount:
         hz, damping: of the linear mode.
         spacing: L, m.
         y, z: the rotary modes about y and z.
+        cascade: the linear mode drives the rotary ones and feels nothing of them: (V2) without κ².
     """
 
     hz: float = 50.0
@@ -43,6 +44,7 @@ class Mount:
     spacing: float = 0.254
     y: Plane = Plane()
     z: Plane = Plane()
+    cascade: bool = False
 
     @classmethod
     def worst(
@@ -55,6 +57,7 @@ class Mount:
         rotary_hz: float = 71.0,
         rotary_damping: float = 0.18,
         spacing: float = 0.254,
+        cascade: bool = False,
     ) -> Mount:
         """The signs of given sizes of imbalance and offset that rectify most.
 
@@ -64,7 +67,7 @@ class Mount:
         """
         y = Plane(rotary_hz, rotary_damping, imbalance, -imbalance, -offset)
         z = Plane(rotary_hz, rotary_damping, imbalance, imbalance, -offset)
-        return cls(hz, damping, spacing, y, z)
+        return cls(hz, damping, spacing, y, z, cascade)
 
     def transfer(self, frequency: Array) -> tuple[Complex, Complex, Complex]:
         """Responses to 1 m/s² of the vehicle, (V2).
@@ -86,7 +89,8 @@ class Mount:
             coupling = coupling + (plane.stiffness / 2 - plane.offset) * spring
             compliance = 1 / (s * s + rotary**2 + 2 * plane.damping * rotary * s)
             gain = 4 * (plane.hz / self.hz) ** 2 * coupling * compliance
-            denominator = denominator - gain * coupling
+            if not self.cascade:
+                denominator = denominator - gain * coupling
             rotations.append(sign / self.spacing * gain)
         force, y, z = (
             np.asarray(numerator / denominator, np.complex128)
