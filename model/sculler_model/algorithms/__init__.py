@@ -6,6 +6,7 @@ It imports no other room.
 """
 
 from sculler_model.algorithms.balance import Balance, SensorKind, Sum
+from sculler_model.algorithms.band import Band, RotaryMode
 from sculler_model.algorithms.catalogue import (
     BASES,
     FAMILIES,
@@ -25,7 +26,7 @@ from sculler_model.algorithms.integer_vectors import (
     vector_sum,
     whole_numbers,
 )
-from sculler_model.algorithms.least_squares import Band, Fit, RotaryMode, fit
+from sculler_model.algorithms.least_squares import Fit, fit
 from sculler_model.algorithms.pairs import (
     distance_sums,
     first_manoeuvre_error,

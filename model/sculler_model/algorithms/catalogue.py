@@ -9,7 +9,8 @@ from functools import lru_cache
 from typing import Literal
 
 from sculler_model.algorithms.balance import Balance, SensorKind, Sum
-from sculler_model.algorithms.least_squares import DENOMINATOR_BITS, Band, Fit, fit
+from sculler_model.algorithms.band import Band
+from sculler_model.algorithms.least_squares import DENOMINATOR_BITS, Fit, fit
 from sculler_model.algorithms.pairs import distance_sums
 from sculler_model.algorithms.response import Response, Sinc
 from sculler_model.algorithms.tap_table import CLOSED_FORMS, TapTable

@@ -9,7 +9,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from sculler_model.algorithms.balance import Balance
-from sculler_model.algorithms.least_squares import Band, Fit, round_taps
+from sculler_model.algorithms.band import Band
+from sculler_model.algorithms.least_squares import Fit, round_taps
 from sculler_model.algorithms.tap_table import TapTable
 from sculler_model.errors import InputError
 
