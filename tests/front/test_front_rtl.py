@@ -17,6 +17,14 @@ from sculler_model.front import Uart
 from tiers import few_of
 
 SLOW = 16 * 921600.0  # as few clocks as there may be in a bit
+
+
+def without_counter() -> Design:
+    data = design_of("custom", clock_hz=SLOW).as_json()
+    del data["hardware"]["front"]["frame"]["counter"]
+    return Design.parse(data)
+
+
 CASES = {
     "stim300": (design_of("stim300", clock_hz=SLOW, datagram=0x91), "stim300", 1),
     "stim300 any": (design_of("stim300", clock_hz=SLOW), "stim300", 1),
@@ -27,6 +35,7 @@ CASES = {
     ),
     "hg4930": (design_of("hg4930", 500.0, clock_hz=16e6), "hg4930", 1),
     "custom": (design_of("custom", clock_hz=SLOW), "custom", 1),
+    "custom, no counter": (without_counter(), "custom", 1),
     "custom, parity": (design_of("custom", clock_hz=1.7 * SLOW, parity="odd"), "custom", 1),
 }
 Counts = tuple[tuple[int, int, int], tuple[int, int, int]]
@@ -183,7 +192,7 @@ def test_silence_brings_placeholders_and_a_frame_finds_its_place_again(tmp_path:
 
 
 @needs_icarus
-@pytest.mark.parametrize("case", few_of(CASES, ["stim300"]))
+@pytest.mark.parametrize("case", few_of(CASES, ["stim300", "custom, no counter"]))
 def test_latency_and_instant_are_as_stated(case: tuple[Design, str, int], tmp_path: Path) -> None:
     design, name, _ = case
     assert design.front is not None
