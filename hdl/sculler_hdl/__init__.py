@@ -4,6 +4,7 @@
     build_core(design)  the core as an Amaranth component, for one's own top level
     ClockedCore(core)   the same with the clock, reset and clock enable of the Verilog module
     properties(design)  what the core promises on its ports, as SystemVerilog assertions
+    StreamCore(design)  the same with Amaranth's streams at its boundary
     timing(design)      the clocks that the core takes, without building it
 
 It may import the exact side of `sculler_model` only.  Inside, arrows point one way:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from sculler_hdl.clocked import ClockedCore as ClockedCore
     from sculler_hdl.core import Core as Core
     from sculler_hdl.core import build_core as build_core
+    from sculler_hdl.export.amaranth_source import amaranth_source as amaranth_source
     from sculler_hdl.export.manifest import Manifest as Manifest
     from sculler_hdl.export.manifest import describe_ports as describe_ports
     from sculler_hdl.export.manifest import module_ports as module_ports
@@ -40,6 +42,9 @@ if TYPE_CHECKING:
     from sculler_hdl.plan.ports import result_ports as result_ports
     from sculler_hdl.plan.ports import sample_ports as sample_ports
     from sculler_hdl.plan.timing import timing as timing
+    from sculler_hdl.streams import StreamCore as StreamCore
+    from sculler_hdl.streams import result_layout as result_layout
+    from sculler_hdl.streams import sample_layout as sample_layout
     from sculler_hdl.targets import TARGETS as TARGETS
     from sculler_hdl.targets import Target as Target
     from sculler_hdl.targets import cell_models as cell_models
@@ -52,8 +57,10 @@ _PLACES = {
     "Generated": "export.verilog",
     "Manifest": "export.manifest",
     "Port": "plan.ports",
+    "StreamCore": "streams",
     "TARGETS": "targets",
     "Target": "targets",
+    "amaranth_source": "export.amaranth_source",
     "build_core": "core",
     "cell_models": "targets",
     "component_ports": "plan.ports",
@@ -65,7 +72,9 @@ _PLACES = {
     "module_ports": "export.manifest",
     "pin_ports": "plan.front",
     "properties": "export.properties",
+    "result_layout": "streams",
     "result_ports": "plan.ports",
+    "sample_layout": "streams",
     "sample_ports": "plan.ports",
     "timing": "plan.timing",
 }
@@ -79,7 +88,9 @@ __all__ = [
     "Generated",
     "Manifest",
     "Port",
+    "StreamCore",
     "Target",
+    "amaranth_source",
     "build_core",
     "cell_models",
     "component_ports",
@@ -91,7 +102,9 @@ __all__ = [
     "module_ports",
     "pin_ports",
     "properties",
+    "result_layout",
     "result_ports",
+    "sample_layout",
     "sample_ports",
     "timing",
 ]

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from sculler import terminal
+from sculler_model.errors import InputError
 
 
 @click.command(
@@ -28,8 +29,17 @@ from sculler import terminal
     help="Write the host too: freestanding C99 that makes attitude, velocity and position of the"
     " core's results.",
 )
+@click.option(
+    "--hdl",
+    type=click.Choice(["verilog", "amaranth"]),
+    default="verilog",
+    show_default=True,
+    help="amaranth: write NAME.py alone, the core as a component for Amaranth designs.",
+)
 @terminal.json_option
-def command(design_name: str, folder: Path | None, host: str | None, as_json: bool) -> None:
+def command(
+    design_name: str, folder: Path | None, host: str | None, hdl: str, as_json: bool
+) -> None:
     """Write the core of DESIGN as plain Verilog-2001.
 
     FOLDER gets NAME.v, its manifest NAME.json (ports, word lengths, scales, latency), and a
@@ -37,12 +47,19 @@ def command(design_name: str, folder: Path | None, host: str | None, as_json: bo
     runs it in any simulator.  With a hardware.target that has multiplier or memory blocks of its
     own come their models for simulators; with core = "compact" comes the schedule to read,
     NAME_schedule.txt.  With --host c come NAME_host.h and NAME_host.c, which read a result's words
-    and scale them, and the library sculler_*.h and sculler_*.c beside them.  The same design gives
-    the same bytes.
+    and scale them, and the library sculler_*.h and sculler_*.c beside them.  With --hdl
+    amaranth comes NAME.py alone.  The same design gives the same bytes.
     """
-    from sculler.runs.hardware import write_hardware
+    from sculler.runs.hardware import Outcome, Source, write_amaranth, write_hardware
 
     design = terminal.load_design(design_name)
-    with terminal.progress("generating", None):
-        outcome = write_hardware(design, folder or Path("build") / design.name, host == "c")
+    folder = folder or Path("build") / design.name
+    outcome: Outcome | Source
+    if hdl == "amaranth":
+        if host is not None:
+            raise InputError("--host goes with the Verilog, leave out --hdl amaranth or --host")
+        outcome = write_amaranth(design, folder)
+    else:
+        with terminal.progress("generating", None):
+            outcome = write_hardware(design, folder, host == "c")
     terminal.report(outcome.as_json(), as_json, terminal.facts(outcome.told()))

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from sculler.host_c import host_texts, library_texts
-from sculler_hdl import Generated, Manifest, generate, timing
+from sculler_hdl import Generated, Manifest, amaranth_source, generate, timing
 from sculler_model.design import Design
-from sculler_model.outputs import gathering
+from sculler_model.outputs import gathering, make_folder, replacing
 from sculler_sim.testbench import write_testbench
 
 
@@ -72,6 +72,48 @@ def texts_of(generated: Generated) -> dict[str, str]:
     if generated.listing is not None:
         texts[f"{name}_schedule.txt"] = generated.listing
     return texts
+
+
+@dataclass(frozen=True)
+class Source:
+    """A core written as a Python file.
+
+    Attributes:
+        design: whose core.
+        file: where it is.
+    """
+
+    design: Design
+    file: Path
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "design": self.design.name,
+            "folder": str(self.file.parent),
+            "files": [str(self.file)],
+        }
+
+    def told(self) -> dict[str, str]:
+        """In words, row by row."""
+        return {"component": f"{self.design.name}.Core", "wrote": str(self.file)}
+
+
+def write_amaranth(design: Design, folder: Path) -> Source:
+    """Write a design's core as a Python file for Amaranth designs, NAME.py.
+
+    Args:
+        design: the design.
+        folder: where; it is made if need be.
+
+    Raises:
+        InputError: the folder cannot be made or written to, or `hardware.multipliers` are too few.
+    """
+    timing(design)  # it can be built
+    file = make_folder(folder) / f"{design.name}.py"
+    with replacing(file) as temporary:
+        temporary.write_text(amaranth_source(design), encoding="ascii", newline="\n")
+    return Source(design, file)
 
 
 def write_hardware(design: Design, folder: Path, host_in_c: bool = False) -> Outcome:

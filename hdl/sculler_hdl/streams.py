@@ -1,0 +1,106 @@
+"""The core with Amaranth's streams at its boundary, for users' own Amaranth designs."""
+
+from __future__ import annotations
+
+from amaranth import Module, unsigned
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from sculler_hdl.core import build_core
+from sculler_hdl.lib.layout import vector
+from sculler_hdl.plan.ports import counter_ports
+from sculler_model.design import AXES, STATUS_BITS, Design
+from sculler_model.golden import COUNTER_BITS, PORT_MAJOR_BITS, WORD_BITS
+
+
+def sample_layout(design: Design) -> data.StructLayout:
+    """A sample: `gyro` and `accel`, three signed counts each, and `fault`, the sensor's mark."""
+    words = design.words
+    return data.StructLayout({"gyro": vector(words.gyro), "accel": vector(words.accel), "fault": 1})
+
+
+def result_layout(design: Design) -> data.StructLayout:
+    """A result, or with `handover = "stream"` a word of it.
+
+    A result has `major` (unsigned, 64 bits), `status` (4 bits) and the design's vectors, three
+    signed components each: `alpha`, `coning_within` and so on, as wide as their worst case.  A word
+    has `data` (16 bits) and `last`, which marks the last of a result.
+    """
+    if design.hardware.handover == "stream":
+        return data.StructLayout({"data": unsigned(WORD_BITS), "last": 1})
+    vectors = {name: vector(getattr(design.words, name)) for name in design.vectors}
+    head = {"major": unsigned(PORT_MAJOR_BITS), "status": unsigned(STATUS_BITS)}
+    return data.StructLayout(head | vectors)
+
+
+class StreamCore(wiring.Component):
+    """Coning and sculling accumulators of one design: a stream of samples in, of results out.
+
+    Members:
+        samples (in): a stream of `sample_layout`.
+        results (out): a stream of `result_layout`.
+        samples_lost (out): unsigned, 16 bits: samples offered and withdrawn.  A source that keeps
+            to the rules of streams holds its offer and loses none.
+        results_dropped (out): the same of results, where the design drops them.
+
+    It works in the domain `sync`, with whatever reset that has, and without one from its initial
+    values; `DomainRenamer` takes it to another.  For a clock enable use `ClockEnableInserter`,
+    which stops vendors' blocks too.  `hardware.reset`, `reset_active` and `clock_enable` concern
+    the Verilog module alone.
+
+    Latency and throughput: `timing`, of the core inside; nothing is added.
+
+    Args:
+        design: the design.
+        primitive: whether to instantiate the target's own blocks; False for Amaranth's simulator,
+            which cannot run instances, with the same behaviour on every clock.
+
+    Attributes:
+        core: the core inside.
+        timing: its clocks.
+
+    Raises:
+        InputError: `hardware.multipliers` are too few.
+    """
+
+    def __init__(self, design: Design, *, primitive: bool = True) -> None:
+        self.design = design
+        self.primitive = primitive
+        self.core = build_core(design, primitive=primitive)
+        self.timing = self.core.timing
+        super().__init__(
+            {
+                "samples": In(stream.Signature(sample_layout(design))),
+                "results": Out(stream.Signature(result_layout(design))),
+                **{port.name: Out(unsigned(COUNTER_BITS)) for port in counter_ports(design)},
+            }
+        )
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        m.submodules.core = core = self.core
+        sample, result = self.samples.payload, self.results.payload
+        m.d.comb += [
+            core.sample_valid.eq(self.samples.valid),
+            self.samples.ready.eq(core.sample_ready),
+            core.sample_fault.eq(sample.fault),
+            self.results.valid.eq(core.result_valid),
+            core.result_ready.eq(self.results.ready),
+        ]
+        m.d.comb += [
+            getattr(core, f"sample_{sensor}_{axis}").eq(sample[sensor][i])
+            for sensor in ("gyro", "accel")
+            for i, axis in enumerate(AXES)
+        ]
+        for name in result_layout(self.design).members:
+            shown = (
+                [(result[name], name)]
+                if name not in self.design.vectors
+                else [(result[name][i], f"{name}_{axis}") for i, axis in enumerate(AXES)]
+            )
+            m.d.comb += [there.eq(getattr(core, f"result_{port}")) for there, port in shown]
+        m.d.comb += [
+            getattr(self, port.name).eq(getattr(core, port.name))
+            for port in counter_ports(self.design)
+        ]
+        return m
