@@ -94,7 +94,7 @@ def testbench(
     design: Design, timing: Timing, cells: Collection[str], least: Least
 ) -> dict[str, str]:
     """The test bench's files, text by name; see `write_testbench`."""
-    before, after = _lengths(design, timing, least)
+    before, after = run_lengths(design, timing, least)
     samples = _samples(design, before, after)
     first = run_fast(design, samples[:before, :6], samples[:before, 6])
     second = run_fast(design, samples[before:, :6], samples[before:, 6])  # after a reset
@@ -135,8 +135,8 @@ def testbench(
     }
 
 
-def _lengths(design: Design, timing: Timing, least: Least) -> tuple[int, int]:
-    """Samples before and after the reset.
+def run_lengths(design: Design, timing: Timing, least: Least) -> tuple[int, int]:
+    """Samples before and after the reset, as many as `testbench` takes with these arguments.
 
     Whole major intervals and a part of one (where one is more than a sample).
     """

@@ -12,7 +12,10 @@ from sculler_model.errors import InputError
 
 @click.command(
     short_help="Write the core as plain Verilog with manifest and test bench.",
-    epilog=terminal.examples("sculler generate examples/stim300_4x5.toml -o build/stim300_4x5"),
+    epilog=terminal.examples(
+        "sculler generate examples/stim300_4x5.toml -o build/stim300_4x5",
+        "sculler generate examples/stim300_4x5.toml --package --clock-mhz 100",
+    ),
 )
 @terminal.design_argument
 @click.option(
@@ -36,9 +39,27 @@ from sculler_model.errors import InputError
     show_default=True,
     help="amaranth: write NAME.py alone, the core as a component for Amaranth designs.",
 )
+@click.option(
+    "--package",
+    "packaged",
+    is_flag=True,
+    help="Write what FPGA tools need to take the core in, too; needs the extra sculler[package].",
+)
+@click.option(
+    "--clock-mhz",
+    type=terminal.number_type(1e-3, 1e4),
+    metavar="MHZ",
+    help="With --package: the core's clock rate in the constraints; 50 if left out.",
+)
 @terminal.json_option
 def command(
-    design_name: str, folder: Path | None, host: str | None, hdl: str, as_json: bool
+    design_name: str,
+    folder: Path | None,
+    host: str | None,
+    hdl: str,
+    packaged: bool,
+    clock_mhz: float | None,
+    as_json: bool,
 ) -> None:
     """Write the core of DESIGN as plain Verilog-2001.
 
@@ -47,8 +68,10 @@ def command(
     runs it in any simulator.  With a hardware.target that has multiplier or memory blocks of its
     own come their models for simulators; with core = "compact" comes the schedule to read,
     NAME_schedule.txt.  With --host c come NAME_host.h and NAME_host.c, which read a result's words
-    and scale them, and the library sculler_*.h and sculler_*.c beside them.  With --hdl
-    amaranth comes NAME.py alone.  The same design gives the same bytes.
+    and scale them, and the library sculler_*.h and sculler_*.c beside them.  With --package
+    come NAME.core for FuseSoC, IP-XACT descriptions, scripts for Vivado and Platform Designer,
+    constraints (SDC, XDC, PDC, LPF) and test_NAME.py for cocotb.  With --hdl amaranth comes NAME.py
+    alone.  The same design gives the same bytes.
     """
     from sculler.runs.hardware import Outcome, Source, write_amaranth, write_hardware
 
@@ -56,10 +79,17 @@ def command(
     folder = folder or Path("build") / design.name
     outcome: Outcome | Source
     if hdl == "amaranth":
-        if host is not None:
-            raise InputError("--host goes with the Verilog, leave out --hdl amaranth or --host")
+        for option, given in (
+            ("--host", host),
+            ("--package", packaged),
+            ("--clock-mhz", clock_mhz),
+        ):
+            if given:
+                raise InputError(
+                    f"{option} goes with the Verilog, leave out --hdl amaranth or {option}"
+                )
         outcome = write_amaranth(design, folder)
     else:
         with terminal.progress("generating", None):
-            outcome = write_hardware(design, folder, host == "c")
+            outcome = write_hardware(design, folder, host == "c", packaged, clock_mhz)
     terminal.report(outcome.as_json(), as_json, terminal.facts(outcome.told()))

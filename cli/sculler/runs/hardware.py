@@ -10,7 +10,10 @@ from typing import Any
 from sculler.host_c import host_texts, library_texts
 from sculler_hdl import Generated, Manifest, amaranth_source, generate, timing
 from sculler_model.design import Design
+from sculler_model.errors import InputError
 from sculler_model.outputs import gathering, make_folder, replacing
+from sculler_sim.package.contents import CLOCK_MHZ
+from sculler_sim.package.files import package_texts
 from sculler_sim.testbench import write_testbench
 
 
@@ -116,24 +119,52 @@ def write_amaranth(design: Design, folder: Path) -> Source:
     return Source(design, file)
 
 
-def write_hardware(design: Design, folder: Path, host_in_c: bool = False) -> Outcome:
+def write_hardware(
+    design: Design,
+    folder: Path,
+    host_in_c: bool = False,
+    packaged: bool = False,
+    clock_mhz: float | None = None,
+) -> Outcome:
     """Write Verilog, manifest and test bench of a design; they appear together.
 
     Args:
         design: the design.
         folder: where; it is made if need be.
         host_in_c: write the host in C, too.
+        packaged: write what FPGA tools need to take the core in, too.
+        clock_mhz: the core's clock rate in the package's constraints; if left out, that of the
+            design's front end, or 50.
 
     Raises:
-        InputError: the folder cannot be made or written to.
+        InputError: the folder cannot be made or written to; a clock rate that is none, is not the
+            front end's, or is given without a package; the extra `package` is not installed.
     """
+    if clock_mhz is not None and not packaged:
+        raise InputError("--clock-mhz belongs to --package, give both or neither")
     generated = generate(design)
     texts = texts_of(generated)
     if host_in_c:
         texts |= host_texts(design) | library_texts()
+    if packaged:
+        texts |= package_texts(generated, _clock_mhz(design, clock_mhz))
     with gathering(folder) as gathered:
         for name, text in texts.items():
             (gathered / name).write_text(text, encoding="utf-8", newline="\n")
         bench = write_testbench(design, gathered, timing(design), generated.cells)
         names = [*texts, *(file.name for file in bench)]
     return Outcome(generated.manifest, folder, tuple(folder / name for name in names))
+
+
+def _clock_mhz(design: Design, given: float | None) -> float:
+    """The clock rate of a package."""
+    front = design.hardware.front
+    if front is None:
+        return CLOCK_MHZ if given is None else given
+    mhz = front.clock_hz / 1e6
+    if given is not None and given != mhz:
+        raise InputError(
+            f"--clock-mhz {given:g}: the design's hardware.front.clock_hz says {mhz:g} MHz,"
+            " leave the option out"
+        )
+    return mhz

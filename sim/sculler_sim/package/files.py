@@ -1,0 +1,36 @@
+"""All files of a package."""
+
+from __future__ import annotations
+
+from sculler_hdl import Generated
+from sculler_sim.package.cocotb_bench import cocotb_bench
+from sculler_sim.package.constraints import constraints
+from sculler_sim.package.contents import CLOCK_MHZ, contents
+from sculler_sim.package.fusesoc import fusesoc_core
+from sculler_sim.package.ipxact import YEARS, ipxact_component
+from sculler_sim.package.vendors import quartus_script, vivado_script
+
+
+def package_texts(generated: Generated, clock_mhz: float = CLOCK_MHZ) -> dict[str, str]:
+    """The package of a generated core: texts by the name of their file.
+
+    They name the files that `generate` writes, beside which they belong.  The same core and clock
+    give the same bytes.
+
+    Args:
+        generated: the core.
+        clock_mhz: rate of its clock, for the constraints.
+
+    Raises:
+        InputError: the clock rate is none, or PyYAML is not installed.
+    """
+    held, timing = contents(generated, clock_mhz), generated.manifest.timing
+    name = held.name
+    return {
+        f"{name}.core": fusesoc_core(held),
+        **{f"{name}_ipxact_{year}.xml": ipxact_component(held, year) for year in YEARS},
+        f"{name}_vivado.tcl": vivado_script(held),
+        f"{name}_hw.tcl": quartus_script(held),
+        **constraints(held),
+        f"test_{name}.py": cocotb_bench(held, timing),
+    }
