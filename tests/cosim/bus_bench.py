@@ -48,7 +48,7 @@ async def take(host: Any, dice: random.Random) -> dict[str, int]:
     return found
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def registers(dut: Any) -> None:
     """Results through the window are the golden model's; every register does what it says."""
     host, watch = await begin(dut)
@@ -96,7 +96,7 @@ async def registers(dut: Any) -> None:
         assert high == 0
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def injection(dut: Any) -> None:
     """Pushed samples give the golden model's results; the interrupt tells of them."""
     host, _ = await begin(dut)

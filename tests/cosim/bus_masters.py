@@ -5,6 +5,7 @@ With `error` the slave must answer with an error, without it must not.
 
 from __future__ import annotations
 
+import logging
 import random
 from itertools import repeat
 from typing import Any
@@ -65,6 +66,7 @@ class ApbHost:
         self.clock = clock
         self.dice = random.Random(seed)
         self.master = ApbMaster(ApbBus.from_prefix(dut, "s_apb"), clock)
+        self.master.log.setLevel(logging.WARNING)  # else it tells of every access
 
     async def read(self, address: int, error: bool = False) -> int:
         await ClockCycles(self.clock, self.dice.randint(1, 4))

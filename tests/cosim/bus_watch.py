@@ -26,8 +26,14 @@ class Watch:
     def __init__(self, dut: Any) -> None:
         self.dut = dut
         self.taken: list[int] = []
+        self.samples: list[list[int]] = []
         self.results: list[int] = []
         self.pulses: list[int] = []
+
+    def sample(self) -> list[int]:
+        """The sample that stands at the core's port."""
+        counts = [getattr(self.dut, f"core_{name}").value.to_signed() for name in COUNTS]
+        return [*counts, int(self.dut.core_sample_fault.value)]
 
     async def run(self) -> None:
         now, pulse = 0, [0, 0, 0]
@@ -38,6 +44,7 @@ class Watch:
                 continue
             if self.dut.core_sample_valid.value & self.dut.core_sample_ready.value:
                 self.taken.append(now)
+                self.samples.append(self.sample())
             valid, ready = self.dut.core_result_valid.value, self.dut.core_result_ready.value
             if valid == 1 and ready == 1 and self.dut.core_result_last.value == 1:
                 self.results.append(now)
@@ -106,8 +113,8 @@ async def pulses(dut: Any) -> None:
 
 
 def check_times(result: dict[str, int], number: int, watch: Watch) -> None:
-    """The stamps are those of the clocks in which things happened."""
-    last = JOB["per_interval"] * (number + 1) - 1
+    """The stamps of the result that came as this one are the clocks in which things happened."""
+    last = JOB["per_interval"] * (result["major"] + 1) - 1
     assert result["sample_time"] == watch.taken[last]
     assert result["result_time"] == watch.results[number]
     before = [pulse for pulse in watch.pulses if pulse < watch.results[number]]

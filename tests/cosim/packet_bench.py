@@ -85,7 +85,7 @@ async def give(dut: Any, clock: Any, reset: Any, wrong_ones: list[int]) -> None:
         await source.send(AxiStreamFrame(data, tuser=sample[6]))
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def packets(dut: Any) -> None:
     """Packets are the golden model's results, and their stamps the clocks of what happened."""
     axi, from_packets = JOB["kind"] == "axi-stream", JOB["sample"] == "axi-stream"

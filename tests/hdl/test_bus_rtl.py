@@ -18,8 +18,10 @@ from tiers import few_of
 COSIM = Path(__file__).parents[1] / "cosim"
 
 
-def bus_design(result: str, core: str = "compact", **bus: Any) -> Design:
-    hardware = {"core": core, "bus": {"result": result, **bus}}
+def bus_design(
+    result: str, core: str = "compact", overrun: str = "drop-sample", **bus: Any
+) -> Design:
+    hardware = {"core": core, "overrun": overrun, "bus": {"result": result, **bus}}
     return make_design("narrow", 2, 1, 2, (8, 8), hardware=hardware)
 
 
@@ -70,6 +72,7 @@ def job_of(design: Design, seed: int, majors: int) -> dict[str, Any]:
             "samples": 0x030,
             "results": 0x034,
             "samples_lost": 0x038,
+            "results_dropped": 0x03C,
             "time_low": 0x060,
             "time_high": 0x064,
             **{
@@ -174,3 +177,31 @@ def test_packets(keys: dict[str, Any], seed: int, tmp_path: Path) -> None:
     design = bus_design(**keys)
     majors = 5 if seed == 3 else 30
     run_bench(design, tmp_path, "packet_bench", job_of(design, seed, majors), 1)
+
+
+LATE: dict[str, tuple[dict[str, Any], int]] = {
+    "small-drops-samples": ({"core": "compact"}, 400),
+    "small-drops-results": ({"core": "compact", "overrun": "drop-result"}, 400),
+    "fast-drops-samples": ({"core": "pipelined"}, 30),
+    "fast-drops-results": ({"core": "pipelined", "overrun": "drop-result"}, 3),
+    "fast-drops-results-separate": (
+        {"core": "pipelined", "overrun": "drop-result", "clock": "separate"},
+        1,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", few_of(LATE, ["fast-drops-results"]))
+def test_a_late_host(case: tuple[dict[str, Any], int], tmp_path: Path) -> None:
+    """What the design's overrun says gives way, and nothing else."""
+    pytest.importorskip("cocotbext.apb", reason="the bus's master is not installed")
+    keys, period = case
+    design = bus_design("apb", depth=2, **keys)
+    job = job_of(design, 7, 40 if keys["core"] == "compact" else 80)
+    job |= {
+        "period": period,
+        "idle": 24 * design.samples_per_major * (period + 1),
+        "offered": len(job["samples"]),
+        "design": design.as_json(),
+    }
+    run_bench(design, tmp_path, "late_bench", job, 1)
