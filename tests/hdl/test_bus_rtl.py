@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from register_facts import from_rdl
 from sculler_hdl import generate
 from sculler_model.design import Design
 from sculler_model.golden import GoldenModel
@@ -205,3 +206,22 @@ def test_a_late_host(case: tuple[dict[str, Any], int], tmp_path: Path) -> None:
         "design": design.as_json(),
     }
     run_bench(design, tmp_path, "late_bench", job, 1)
+
+
+@pytest.mark.parametrize("result", few_of(["wishbone", "axi-lite"], ["wishbone"]))
+def test_registers_are_what_the_description_says(result: str, tmp_path: Path) -> None:
+    """All addresses of 4 KiB, by what systemrdl-compiler reads in NAME.rdl."""
+    pytest.importorskip(masters(result), reason="the bus's master is not installed")
+    design = bus_design(result, clock="separate" if result == "axi-lite" else "same")
+    facts, resets = from_rdl(generate(design).further["narrow.rdl"], tmp_path)
+    registers: dict[int, list[tuple[int, int]]] = {}
+    for name, (address, mask) in facts.items():
+        if address >= 0x800:
+            continue  # no result waits, so the window is an error
+        fields = registers.setdefault(address, [])
+        if name in resets:
+            fields.append((mask, resets[name] << (mask & -mask).bit_length() - 1))
+    plain = [fact for name, fact in facts.items() if name.startswith(("inject_g", "inject_a"))]
+    job = job_of(design, 3, 1)
+    job |= {"registers": registers, "writable": plain, "whole": result == "axi-lite"}
+    run_bench(design, tmp_path, "walk_bench", job, 1)
