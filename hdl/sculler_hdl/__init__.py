@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from sculler_hdl.export.manifest import module_ports as module_ports
     from sculler_hdl.export.properties import PROPERTIES as PROPERTIES
     from sculler_hdl.export.properties import properties as properties
+    from sculler_hdl.export.unit import unit_ports as unit_ports
     from sculler_hdl.export.verilog import Generated as Generated
     from sculler_hdl.export.verilog import generate as generate
     from sculler_hdl.lib.clock_enable import ClockEnableInserter as ClockEnableInserter
@@ -77,6 +78,7 @@ _PLACES = {
     "sample_layout": "streams",
     "sample_ports": "plan.ports",
     "timing": "plan.timing",
+    "unit_ports": "export.unit",
 }
 
 __all__ = [
@@ -107,6 +109,7 @@ __all__ = [
     "sample_layout",
     "sample_ports",
     "timing",
+    "unit_ports",
 ]
 
 

@@ -51,6 +51,11 @@ from sculler_model.errors import InputError
     metavar="MHZ",
     help="With --package: the core's clock rate in the constraints; 50 if left out.",
 )
+@click.option(
+    "--board",
+    metavar="BOARD",
+    help="With --package: write a top level too, with pins and Makefile; ulx3s or icebreaker.",
+)
 @terminal.json_option
 def command(
     design_name: str,
@@ -59,6 +64,7 @@ def command(
     hdl: str,
     packaged: bool,
     clock_mhz: float | None,
+    board: str | None,
     as_json: bool,
 ) -> None:
     """Write the core of DESIGN as plain Verilog-2001.
@@ -70,7 +76,8 @@ def command(
     NAME_schedule.txt.  With --host c come NAME_host.h and NAME_host.c, which read a result's words
     and scale them, and the library sculler_*.h and sculler_*.c beside them.  With --package
     come NAME.core for FuseSoC, IP-XACT descriptions, scripts for Vivado and Platform Designer,
-    constraints (SDC, XDC, PDC, LPF) and test_NAME.py for cocotb.  With --hdl amaranth comes NAME.py
+    constraints (SDC, XDC, PDC, LPF) and test_NAME.py for cocotb, with --board a top level with its
+    pins and a Makefile that makes the bitstream.  With --hdl amaranth comes NAME.py
     alone.  The same design gives the same bytes.
     """
     from sculler.runs.hardware import Outcome, Source, write_amaranth, write_hardware
@@ -79,11 +86,13 @@ def command(
     folder = folder or Path("build") / design.name
     outcome: Outcome | Source
     if hdl == "amaranth":
-        for option, given in (
-            ("--host", host),
-            ("--package", packaged),
-            ("--clock-mhz", clock_mhz),
-        ):
+        options = {
+            "--host": host,
+            "--package": packaged,
+            "--clock-mhz": clock_mhz,
+            "--board": board,
+        }
+        for option, given in options.items():
             if given:
                 raise InputError(
                     f"{option} goes with the Verilog, leave out --hdl amaranth or {option}"
@@ -91,5 +100,5 @@ def command(
         outcome = write_amaranth(design, folder)
     else:
         with terminal.progress("generating", None):
-            outcome = write_hardware(design, folder, host == "c", packaged, clock_mhz)
+            outcome = write_hardware(design, folder, host == "c", packaged, clock_mhz, board)
     terminal.report(outcome.as_json(), as_json, terminal.facts(outcome.told()))

@@ -12,6 +12,7 @@ from sculler_hdl import Generated, Manifest, amaranth_source, generate, timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.outputs import gathering, make_folder, replacing
+from sculler_sim.package.boards import board_texts
 from sculler_sim.package.contents import CLOCK_MHZ
 from sculler_sim.package.files import package_texts
 from sculler_sim.testbench import write_testbench
@@ -125,6 +126,7 @@ def write_hardware(
     host_in_c: bool = False,
     packaged: bool = False,
     clock_mhz: float | None = None,
+    board: str | None = None,
 ) -> Outcome:
     """Write Verilog, manifest and test bench of a design; they appear together.
 
@@ -135,19 +137,24 @@ def write_hardware(
         packaged: write what FPGA tools need to take the core in, too.
         clock_mhz: the core's clock rate in the package's constraints; if left out, that of the
             design's front end, or 50.
+        board: name of a board to write a top level for, with the package.
 
     Raises:
         InputError: the folder cannot be made or written to; a clock rate that is none, is not the
-            front end's, or is given without a package; the extra `package` is not installed.
+            front end's; that or a board is given without a package; no such board, or the design
+            is none for it; the extra `package` is not installed.
     """
-    if clock_mhz is not None and not packaged:
-        raise InputError("--clock-mhz belongs to --package, give both or neither")
+    for option, value in (("--clock-mhz", clock_mhz), ("--board", board)):
+        if value is not None and not packaged:
+            raise InputError(f"{option} belongs to --package, give both or neither")
     generated = generate(design)
     texts = texts_of(generated)
     if host_in_c:
         texts |= host_texts(design) | library_texts()
     if packaged:
         texts |= package_texts(generated, _clock_mhz(design, clock_mhz))
+    if board is not None:
+        texts |= board_texts(generated, board)
     with gathering(folder) as gathered:
         for name, text in texts.items():
             (gathered / name).write_text(text, encoding="utf-8", newline="\n")

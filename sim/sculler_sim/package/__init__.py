@@ -6,7 +6,8 @@
     constraints     NAME.sdc, .xdc, .pdc, .lpf: the clocks, and paths that are not timed
     vendors         NAME_vivado.tcl, NAME_hw.tcl, for Vivado and Platform Designer
     cocotb_bench    test_NAME.py, a bench for pytest and cocotb
-    files           all of them
+    boards          NAME_BOARD.v, pins and Makefile: example top levels
+    files           all of them but those of boards
 
 Nothing here builds hardware; it describes what `sculler_hdl` generated.
 """
