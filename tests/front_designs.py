@@ -70,6 +70,12 @@ def _hg4930(gyro: Sequence[int], accel: Sequence[int], number: int) -> bytes:
     return raw_datagrams.hg4930(gyro, accel, 6 * number)
 
 
+def _registers(gyro: Sequence[int], accel: Sequence[int], number: int) -> bytes:
+    """SYS_E_FLAG, then low and high words."""
+    words = [word for value in (*gyro, *accel) for word in (value & 0xFFFF, value >> 16 & 0xFFFF)]
+    return struct.pack(">13H", 0, *words)
+
+
 FRAMES: dict[str, tuple[dict[str, Any], Maker]] = {
     "stim300": (_preset("stim300", sensor="stim300"), _stim300(0x91, 1)),
     "stim300 A7 at 125 Hz": (
@@ -82,6 +88,7 @@ FRAMES: dict[str, tuple[dict[str, Any], Maker]] = {
         _adis("adis16505", 32, "increment"),
         lambda gyro, accel, number: raw_datagrams.adis16470(gyro, accel, number, long=True),
     ),
+    "adis16488": (_adis("adis16488", 32, "increment"), _registers),
     "custom": (_CUSTOM, _custom),
 }
 """Designs as files, and makers of their frames: gyro, accelerometer, number of the sample."""

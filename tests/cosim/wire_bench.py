@@ -14,6 +14,7 @@ from typing import Any
 import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge, Timer
+from cocotb.utils import get_sim_time
 
 JOB: dict[str, Any] = json.loads(Path(os.environ["SCULLER_BENCH"]).read_text())
 COUNTS = [f"sample_{sensor}_{axis}" for sensor in ("gyro", "accel") for axis in "xyz"]
@@ -50,8 +51,6 @@ async def check(dut: Any, samples: list[list[int]]) -> None:
 
 async def at(ns: int) -> None:
     """Wait until a time since the start."""
-    from cocotb.utils import get_sim_time
-
     await Timer(max(1, ns - round(get_sim_time("ns"))), "ns")
 
 
@@ -86,7 +85,7 @@ class Sensor:
     def __init__(self, dut: Any) -> None:
         self.dut = dut
         self.content = b""
-        self.requests: list[int] = []
+        self.requests: list[list[int]] = []
         cocotb.start_soon(self.run())
 
     async def run(self) -> None:
@@ -94,18 +93,22 @@ class Sensor:
             await FallingEdge(self.dut.cs_n)
             assert self.dut.sck.value == 1, "mode 3 begins high"
             bits = [0] * 16 + [byte >> 7 - bit & 1 for byte in self.content for bit in range(8)]
-            request = 0
+            words: list[int] = []
             for number, bit in enumerate(bits):
+                if JOB["pause_ns"] and number and number % 16 == 0:  # a word at a time
+                    await RisingEdge(self.dut.cs_n)
+                    risen = get_sim_time("ns")
+                    await FallingEdge(self.dut.cs_n)
+                    assert get_sim_time("ns") - risen >= JOB["pause_ns"]
                 await FallingEdge(self.dut.sck)
                 assert self.dut.cs_n.value == 0
                 await Timer(25, "ns")
                 self.dut.miso.value = bit
                 await RisingEdge(self.dut.sck)
-                if number < 16:
-                    request = request << 1 | int(self.dut.mosi.value)
-                else:
-                    assert self.dut.mosi.value == 0
-            self.requests.append(request)
+                if number % 16 == 0:
+                    words.append(0)
+                words[-1] = words[-1] << 1 | int(self.dut.mosi.value)
+            self.requests.append(words)
             await RisingEdge(self.dut.cs_n)
             assert self.dut.sck.value == 1
 
@@ -124,5 +127,6 @@ async def burst(dut: Any) -> None:
         await Timer(20, "us")
         dut.data_ready.value = 0
     await at(JOB["end"])
-    assert sensor.requests == [0x6800] * len(JOB["frames"])
+    asked = JOB["requests"] + [0] * (1 + len(sensor.content) // 2 - len(JOB["requests"]))
+    assert sensor.requests == [asked] * len(JOB["frames"])
     await check(dut, samples)

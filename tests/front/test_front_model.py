@@ -39,7 +39,7 @@ def test_whole_frames_are_taken_as_they_are(name: str) -> None:
     assert model.counters.frames_bad == model.counters.frames_missed == 0
 
 
-@pytest.mark.parametrize("name", FRAMES)
+@pytest.mark.parametrize("name", [name for name in FRAMES if name != "adis16488"])
 def test_every_flipped_bit_breaks_a_frame_which_gets_a_placeholder(name: str) -> None:
     frames = [made(name, *counts(i), i) for i in range(3)]
     link = design_of(name).front

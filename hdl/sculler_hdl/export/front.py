@@ -45,7 +45,9 @@ def _about(design: Design, plan: FrontPlan) -> list[str]:
     assert front is not None
     if isinstance(link.wire, Spi):
         rate = link.clock_hz / (2 * plan.half_period)
-        wire = f"SPI mode 3 at {rate:.6g} Hz, request {link.wire.request:04X}"
+        first, *further = link.wire.requests
+        asks = f"request {first:04X}" + (f" and {len(further)} more" if further else "")
+        wire = f"SPI mode 3 at {rate:.6g} Hz, {asks}"
     else:
         wire = (
             f"{link.wire.baud:.6g} baud, parity {link.wire.parity}; rate error of the receiver"

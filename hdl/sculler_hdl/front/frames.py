@@ -59,7 +59,6 @@ class FrameReceiver(wiring.Component):
         self._left = Signal(range(longest + 1), name="left", init=longest)  # with that byte
         self._kinds = Signal(len(layout.kinds), name="kinds", init=-1)  # that it may be of
         self._in_head = Value.cast(0) if layout.aligned else self._index < self.head
-        m.submodules.check = check = FrameCheck(layout.check)
         use, skip, again = Signal(), Signal(), Signal()
         end, byte = self._memory(m)
         fits = self._find_kind(m, byte, use)
@@ -67,19 +66,17 @@ class FrameReceiver(wiring.Component):
         zeros = Signal(range(1 + max(kind.zeros for kind in layout.kinds)))
         m.d.comb += [
             self.held.eq(self._begin != end),
-            check.start.eq(skip | again),
-            check.data.eq(Mux(use, byte, 0)),
-            check.high.eq((self._index[0] ^ (layout.check.first & 1)) == layout.check.little),
         ]
+        covers, more_zeros = Signal(), Signal()
         wrong, empty = self._look(m, byte, use, skip | again)
-        wrong = wrong | (check.value != self._given)
+        wrong = wrong | self._check(m, byte, use, covers | more_zeros, skip | again)
         with m.FSM():
             with m.State("WAIT"):
                 m.d.comb += self.idle.eq((self._at == end) & ~self.data_valid)
                 with m.If(self._at != end):
                     m.next = "USE"
             with m.State("USE"):
-                m.d.comb += [use.eq(1), skip.eq(~fits), check.valid.eq(fits & self._is_covered())]
+                m.d.comb += [use.eq(1), skip.eq(~fits), covers.eq(fits & self._is_covered())]
                 m.d.sync += zeros.eq(self._of_kind("zeros"))
                 m.next = "WAIT"
                 with m.If(fits & is_last):
@@ -88,7 +85,7 @@ class FrameReceiver(wiring.Component):
                 m.next = "WAIT"
                 with m.If(zeros != 0):
                     m.d.sync += zeros.eq(zeros - 1)
-                    m.d.comb += check.valid.eq(1)
+                    m.d.comb += more_zeros.eq(1)
                     m.next = "CHECK"
                 with m.Elif(wrong):
                     m.d.comb += (again if layout.aligned else skip).eq(1)
@@ -150,9 +147,25 @@ class FrameReceiver(wiring.Component):
             value |= Mux(bit, int(getattr(kind, attribute)), 0)
         return value
 
+    def _check(self, m: Module, byte: Value, use: Signal, valid: Value, start: Value) -> Value:
+        """Whether the check, where there is one, is wrong."""
+        parameters = self.layout.check
+        if parameters is None:
+            return Value.cast(0)
+        m.submodules.check = check = FrameCheck(parameters)
+        m.d.comb += [
+            check.start.eq(start),
+            check.valid.eq(valid),
+            check.data.eq(Mux(use, byte, 0)),
+            check.high.eq((self._index[0] ^ (parameters.first & 1)) == parameters.little),
+        ]
+        return check.value != self._given
+
     def _is_covered(self) -> Value:
         """Whether the check covers the byte."""
         check = self.layout.check
+        if check is None:
+            return Value.cast(0)
         until = self._in_head | (self._left >= -check.last)
         return (self._index >= check.first) & until if check.first else until
 
@@ -165,11 +178,13 @@ class FrameReceiver(wiring.Component):
     def _look(self, m: Module, byte: Value, use: Signal, anew: Value) -> tuple[Value, Value]:
         """Keep what a byte says.  Whether the frame is wrong, and whether it holds no sample."""
         layout = self.layout
-        self._given = Signal(unsigned(layout.check.bits), name="given")
         some, absent = Signal(), Signal()
         numbers = [(getattr(self, name), number) for name, number in self.plan.fields.items()]
+        if layout.check is not None:
+            self._given = Signal(unsigned(layout.check.bits), name="given")
+            numbers.append((self._given, layout.check.given))
         with m.If(use):
-            for signal, number in [*numbers, (self._given, layout.check.given)]:
+            for signal, number in numbers:
                 for low, place in enumerate(reversed(number.places)):
                     part = signal[8 * low : 8 * low + 8]
                     with m.If(self._is_at(place) if len(part) else 0):

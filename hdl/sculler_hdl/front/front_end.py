@@ -8,7 +8,7 @@ from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.front.frames import FrameReceiver
 from sculler_hdl.front.sequence import SampleSequence
-from sculler_hdl.front.spi import BurstReader
+from sculler_hdl.front.spi import WordReader
 from sculler_hdl.front.uart import UartReceiver
 from sculler_hdl.plan.front import FRONT_COUNTER_BITS, FrontPlan, front_ports, pin_ports
 from sculler_model.design import Design
@@ -20,7 +20,7 @@ _MOST = C((1 << FRONT_COUNTER_BITS) - 1)
 class FrontEnd(wiring.Component):
     """From the sensor's pins to the core's sample port (`sculler_model.front.FrontModel`).
 
-    pins -> UartReceiver or BurstReader -> FrameReceiver -> SampleSequence -> sample port
+    pins -> UartReceiver or WordReader -> FrameReceiver -> SampleSequence -> sample port
 
     Ports (clock `clk`, synchronous `rst`): `sculler_hdl.plan.front.front_ports`.
 
@@ -48,7 +48,7 @@ class FrontEnd(wiring.Component):
     def elaborate(self, platform: object) -> Module:
         m = Module()
         is_uart = isinstance(self.plan.link.wire, Uart)
-        m.submodules.wire = wire = (UartReceiver if is_uart else BurstReader)(self.plan)
+        m.submodules.wire = wire = (UartReceiver if is_uart else WordReader)(self.plan)
         m.submodules.frames = frames = FrameReceiver(self.plan)
         m.submodules.sequence = sequence = SampleSequence(self.design, self.plan)
         for port in pin_ports(self.design):

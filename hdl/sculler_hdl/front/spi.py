@@ -1,29 +1,31 @@
-"""Reader of bursts over SPI."""
+"""Reader of words over SPI."""
 
 from __future__ import annotations
 
-from amaranth import C, Cat, Module, Signal, unsigned
+from amaranth import C, Cat, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import cdc, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.plan.front import FrontPlan
 from sculler_model.front import Spi
 
-_REQUEST_BITS = 16
+_WORD_BITS = 16
 
 
-class BurstReader(wiring.Component):
-    """Reads a burst at each rising edge of data-ready, in SPI mode 3, most significant bit first.
+class WordReader(wiring.Component):
+    """Reads the words of a sample at each rising edge of data-ready, in SPI mode 3.
 
-    `sck` is high while idle.  `cs_n` falls half a period before its first edge and rises half a
-    period after the last.  `mosi` changes with falling edges; `miso` is looked at while `sck` is
-    high, two clocks before it falls.  First go the 16 bits of the request, then zeros while the
-    burst comes.  Edges of data-ready in a burst count for nothing.
+    The most significant bit goes first.  `sck` is high while idle.  `cs_n` falls half a period
+    before its first edge and rises half a period after the last.  `mosi` changes with falling
+    edges; `miso` is looked at while `sck` is high, two clocks before it falls.  The requests go out
+    one after the other, then zeros; what comes with the first is nothing, after it come the words
+    of the frame.  With a pause, `cs_n` is high for so many clocks between two words.  Edges of
+    data-ready in between count for nothing.
 
     Members:
         sck, cs_n, mosi (out), miso, data_ready (in): pins; inputs are synchronised inside.
         start (out): an edge of data-ready, three clocks after it.
-        data_valid, data (out): a byte of the burst.
+        data_valid, data (out): a byte of the frame.
 
     Args:
         plan: the plan.
@@ -32,7 +34,7 @@ class BurstReader(wiring.Component):
     def __init__(self, plan: FrontPlan) -> None:
         assert isinstance(plan.link.wire, Spi)
         self.plan = plan
-        self.request = plan.link.wire.request
+        self.requests = plan.link.wire.requests
         super().__init__(
             {
                 "sck": Out(1, init=1),
@@ -52,24 +54,25 @@ class BurstReader(wiring.Component):
         m.submodules.miso_line = cdc.FFSynchronizer(self.miso, miso, reset_less=False)
         m.submodules.ready_line = cdc.FFSynchronizer(self.data_ready, ready, reset_less=False)
         m.d.sync += before.eq(ready)
-        bits = _REQUEST_BITS + 8 * self.plan.layout.longest
-        clocks = Signal(range(self.plan.half_period))
+        bits = _WORD_BITS + 8 * self.plan.layout.longest
+        clocks = Signal(range(max(self.plan.half_period, self.plan.pause)))
         number = Signal(range(bits))
-        sending = Signal(_REQUEST_BITS)
+        sending = Signal(_WORD_BITS)
         half = clocks == self.plan.half_period - 1
         m.d.sync += self.data_valid.eq(0)
-        with m.If(half):
+        pausing = Signal()
+        with m.If(half & ~pausing):
             m.d.sync += clocks.eq(0)
         with m.Else():
             m.d.sync += clocks.eq(clocks + 1)
-        with m.FSM():
+        with m.FSM() as states:
             with m.State("IDLE"), m.If(ready & ~before):
                 m.d.comb += self.start.eq(1)
                 m.d.sync += [
                     self.cs_n.eq(0),
                     clocks.eq(0),
                     number.eq(0),
-                    sending.eq(self.request),
+                    sending.eq(self.requests[0]),
                 ]
                 m.next = "SELECTED"
             with m.State("SELECTED"), m.If(half):
@@ -81,16 +84,33 @@ class BurstReader(wiring.Component):
             with m.State("HIGH"), m.If(half):
                 m.d.sync += [
                     self.data.eq(Cat(miso, self.data[:7])),
-                    self.data_valid.eq((number >= _REQUEST_BITS) & (number[:3] == 7)),
+                    self.data_valid.eq((number >= _WORD_BITS) & (number[:3] == 7)),
                     number.eq(number + 1),
                 ]
                 with m.If(number == bits - 1):
                     m.d.sync += [self.cs_n.eq(1), self.mosi.eq(0)]
                     m.next = "IDLE"
+                if self.plan.pause:
+                    with m.Elif(number[:4] == _WORD_BITS - 1):
+                        m.d.sync += [self.cs_n.eq(1), sending.eq(self._next_request(number))]
+                        m.next = "PAUSE"
                 with m.Else():
                     self._fall(m, sending)
                     m.next = "LOW"
+            if self.plan.pause:
+                with m.State("PAUSE"), m.If(clocks == self.plan.pause - 1):
+                    m.d.sync += [clocks.eq(0), self.cs_n.eq(0)]
+                    m.next = "SELECTED"
+            if self.plan.pause:
+                m.d.comb += pausing.eq(states.ongoing("PAUSE"))
         return m
+
+    def _next_request(self, number: Signal) -> Value:
+        """What follows the word whose last bit this is."""
+        value = Value.cast(0)
+        for place, request in enumerate(self.requests[1:]):
+            value |= Mux(number[4:] == place, C(request, _WORD_BITS), 0)
+        return value
 
     def _fall(self, m: Module, sending: Signal) -> None:
         """A falling edge of `sck`, with which the next bit is shown."""

@@ -180,6 +180,12 @@ class FrontPlan:
         return max(2, -int(-self.link.clock_hz // (2 * self.link.wire.sck_hz)))
 
     @property
+    def pause(self) -> int:
+        """Clocks between two words over SPI; 0 for a burst in one."""
+        assert isinstance(self.link.wire, Spi)
+        return -int(-self.link.clock_hz * self.link.wire.pause_s // 1)
+
+    @property
     def ring(self) -> int:
         """Bytes of the memory: a frame and what comes while it is looked through, a power of 2."""
         return 1 << (self.layout.longest + 3).bit_length()

@@ -11,13 +11,17 @@ from sculler_model.design.sensor import Sensor
 from sculler_model.front import (
     ADIS_BOTH,
     ADIS_BURST,
+    ADIS_PAUSE_S,
     ADIS_RATES,
+    ADIS_REGISTERS,
     STIM300_IDENTIFIERS,
     Layout,
     Link,
     Spi,
     Uart,
     adis,
+    adis_registers,
+    adis_requests,
     hg4930,
     stim300,
 )
@@ -31,6 +35,9 @@ SensorName = Literal[
     "adis16470",
     "adis16475",
     "adis16477",
+    "adis16480",
+    "adis16485",
+    "adis16488",
     "adis16500",
     "adis16501",
     "adis16505",
@@ -40,6 +47,7 @@ SensorName = Literal[
 _NAMES = ", ".join(f'"{name}"' for name in get_args(SensorName))
 _BAUD = {"stim300": 921_600.0, "hg4930": 1_000_000.0}
 _SCK_HZ = 1e6  # burst reads, all parts
+_REGISTER_SCK_HZ = 5e6  # of at most 15 MHz
 _STIM300_HZ = 2000  # its counter
 _PATIENCE = 4
 LEAST_CLOCKS_PER_BIT = 16
@@ -53,7 +61,7 @@ class Front(Part):
         clock_hz: of the core's clock.
         baud: of an asynchronous line; left out, what the sensor has from the maker.
         parity: of the line.
-        sck_hz: of the SPI clock, at most; left out, what the part allows in a burst.
+        sck_hz: of the SPI clock, at most; left out, 1 MHz for bursts and 5 MHz for registers.
         time_out: sample intervals without a sample before placeholders come unasked.  Left out, 4,
             or fewer where the frame's counter tells fewer lost ones, or 1 without a counter.
         datagram: identifier of the one STIM300 datagram to take; left out, all that hold both
@@ -87,7 +95,7 @@ class Front(Part):
     @property
     def is_spi(self) -> bool:
         """Whether the front end asks for samples over SPI."""
-        return self.sensor in ADIS_RATES + ADIS_BOTH
+        return self.sensor in ADIS_RATES + ADIS_BOTH + ADIS_REGISTERS
 
 
 def link_of(front: Front, sensor: Sensor) -> Link:
@@ -101,8 +109,11 @@ def link_of(front: Front, sensor: Sensor) -> Link:
     layout = _layout(front, sensor)
     _require_widths(layout, sensor)
     wire: Uart | Spi
-    if front.is_spi:
-        wire = Spi(front.sck_hz or _SCK_HZ, ADIS_BURST)
+    if front.sensor in ADIS_REGISTERS:
+        requests = adis_requests(sensor.kind == "increment", _is_long(sensor))
+        wire = Spi(front.sck_hz or _REGISTER_SCK_HZ, requests, ADIS_PAUSE_S)
+    elif front.is_spi:
+        wire = Spi(front.sck_hz or _SCK_HZ, (ADIS_BURST,))
     else:
         baud = front.baud or _BAUD.get(front.sensor)
         if baud is None:
@@ -131,6 +142,11 @@ def _require_own_keys(front: Front) -> None:
         raise ValueError(f"sck_hz: {front.sensor} sends on an asynchronous line, give baud")
 
 
+def _is_long(sensor: Sensor) -> bool:
+    """Whether its counts take more than a word of 16 bits."""
+    return max(sensor.gyro.bits, sensor.accel.bits) > 16
+
+
 def _layout(front: Front, sensor: Sensor) -> Layout:
     if front.frame is not None:
         try:
@@ -152,7 +168,9 @@ def _layout(front: Front, sensor: Sensor) -> Layout:
         raise ValueError(
             f'sensor: the burst of {front.sensor} holds rates, give sensor.kind = "rate"'
         )
-    long = max(sensor.gyro.bits, sensor.accel.bits) > 16
+    if front.sensor in ADIS_REGISTERS:
+        return adis_registers(_is_long(sensor))
+    long = _is_long(sensor)
     if long and front.sensor in ADIS_RATES:
         raise ValueError(f"sensor: the burst of {front.sensor} has counts of 16 bits")
     return adis(long)
@@ -177,7 +195,8 @@ def _require_rates(link: Link) -> None:
         per_bit = link.clock_hz / wire.sck_hz
         if per_bit < 4:
             raise ValueError(f"sck_hz: {wire.sck_hz:g} is more than a quarter of clock_hz")
-        seconds = (8 * longest + 20) / wire.sck_hz
+        words = longest // 2 + 1
+        seconds = (16 * words + 4) / wire.sck_hz + words * wire.pause_s * 1.5
     else:
         per_bit = link.clock_hz / wire.baud
         if per_bit < LEAST_CLOCKS_PER_BIT:

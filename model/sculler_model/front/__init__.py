@@ -10,9 +10,13 @@ from sculler_model.front.link import Link, Spi, Uart
 from sculler_model.front.makers import (
     ADIS_BOTH,
     ADIS_BURST,
+    ADIS_PAUSE_S,
     ADIS_RATES,
+    ADIS_REGISTERS,
     STIM300_IDENTIFIERS,
     adis,
+    adis_registers,
+    adis_requests,
     hg4930,
     stim300,
 )
@@ -23,7 +27,9 @@ from sculler_model.front.sequence import FrontCounters, FrontSample, Sequence
 __all__ = [
     "ADIS_BOTH",
     "ADIS_BURST",
+    "ADIS_PAUSE_S",
     "ADIS_RATES",
+    "ADIS_REGISTERS",
     "STIM300_IDENTIFIERS",
     "Check",
     "Counter",
@@ -40,6 +46,8 @@ __all__ = [
     "Spi",
     "Uart",
     "adis",
+    "adis_registers",
+    "adis_requests",
     "hg4930",
     "stim300",
 ]

@@ -183,7 +183,7 @@ class Layout:
     Attributes:
         kinds: of frames; none begins as another does.
         gyro, accel: x, y, z.
-        check: the same for all kinds.
+        check: the same for all kinds; None where frames have none.
         counter: of samples; None without one.
         faults: the sample is marked where one is raised.
         absent: the frame holds no sample where one is raised.
@@ -194,7 +194,7 @@ class Layout:
     kinds: tuple[Kind, ...]
     gyro: tuple[Number, ...]
     accel: tuple[Number, ...]
-    check: Check
+    check: Check | None
     counter: Counter | None = None
     faults: tuple[Flags, ...] = ()
     absent: tuple[Flags, ...] = ()
@@ -220,8 +220,11 @@ class Layout:
         return None
 
     def is_whole(self, frame: bytes, kind: Kind) -> bool:
-        """Whether a frame's check is right."""
-        covered = frame[self.check.first : len(frame) + self.check.last + 1] + bytes(kind.zeros)
+        """Whether a frame's check is right, where it has one."""
         if self.some_set and not any(frame):
             return False
-        return self.check.of(covered) == self.check.given.of(frame)
+        check = self.check
+        if check is None:
+            return True
+        covered = frame[check.first : len(frame) + check.last + 1] + bytes(kind.zeros)
+        return check.of(covered) == check.given.of(frame)

@@ -32,11 +32,14 @@ class Spi:
 
     Attributes:
         sck_hz: of its clock, at most.
-        request: the word of 16 bits that is sent first.
+        requests: words of 16 bits that are sent, one after the other.  What comes with the first
+            is nothing; after the last, zeros are sent until the frame is whole.
+        pause_s: between two words, with the sensor unselected; 0 for a burst in one.
     """
 
     sck_hz: float
-    request: int
+    requests: tuple[int, ...]
+    pause_s: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,12 @@ ADIS_RATES = ("adis16465", "adis16467", "adis16470", "adis16475")
 ADIS_BOTH = ("adis16477", "adis16500", "adis16501", "adis16505", "adis16507")
 """Parts whose burst may have numbers of 32 bits, and delta angles and velocities instead."""
 
+ADIS_REGISTERS = ("adis16480", "adis16485", "adis16488")
+"""Parts without a burst: their registers are read one by one."""
+
+ADIS_PAUSE_S = 2e-6
+"""Between two words of those."""
+
 ADIS_BURST = 0x6800
 """The word that asks for a burst."""
 
@@ -121,5 +127,41 @@ def adis(long: bool) -> Layout:
         Check("sum", 16, Number((-2, -1)), 0, -3),
         Counter(Number((-4, -3)), 16),
         (Flags(0), Flags(1)),
+        some_set=True,
+    )
+
+
+def adis_requests(increments: bool, long: bool) -> tuple[int, ...]:
+    """What asks an ADIS16480, ADIS16485 or ADIS16488 for a sample: reads of page 0.
+
+    SYS_E_FLAG (08); then for gyro x, y, z and accelerometer x, y, z the low word and the high word
+    of rates (from 10 on) or of delta angles and velocities (from 40 on).
+
+    Args:
+        increments: delta angles and velocities.
+        long: numbers of 32 bits; else the high words alone.
+    """
+    begin = 0x40 if increments else 0x10
+    addresses = range(begin, begin + 24, 2)
+    return tuple(address << 8 for address in (0x08, *(addresses if long else addresses[1::2])))
+
+
+def adis_registers(long: bool) -> Layout:
+    """Analog Devices ADIS16480, ADIS16485, ADIS16488: the answers to `adis_requests`.
+
+    There is neither a check nor a counter of samples.  Source: data sheets of ADIS16485 and
+    ADIS16488, reading sensor data; the kernel's driver adis16480 agrees in the addresses.
+    """
+    step = 4 if long else 2
+    order = (2, 3, 0, 1) if long else (0, 1)
+    numbers = tuple(
+        Number(tuple(2 + step * axis + place for place in order), signed=True) for axis in range(6)
+    )
+    return Layout(
+        (Kind(b"", 2 + 6 * step),),
+        numbers[:3],
+        numbers[3:],
+        None,
+        faults=(Flags(0), Flags(1)),
         some_set=True,
     )

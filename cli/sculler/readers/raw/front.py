@@ -109,6 +109,7 @@ class FrontFrames(RawProtocol):
         """Whether the check is right."""
         layout, length = self.layout, frames.shape[1]
         check = layout.check
+        assert check is not None  # frames without one come over SPI
         content = frames[:, check.first : length + check.last + 1]
         zeros = next(kind.zeros for kind in layout.kinds if kind.length == length)
         good: NDArray[np.bool_] = _check(check, content, zeros) == _numbers(frames, check.given)
@@ -154,8 +155,8 @@ def _open(path: Path, request: Request) -> Recording:
         )
     if link.layout.aligned:
         raise InputError(
-            f"{path}: the design's front end reads bursts, which have no sync bytes, give --format"
-            " adis16470 or adis16470-32"
+            f"{path}: the design's front end reads bursts, which have no sync bytes; --format"
+            " adis16470 and adis16470-32 read those of ADIS16470 and like parts"
         )
     own = replace(
         request,
