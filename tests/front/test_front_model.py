@@ -12,7 +12,7 @@ import pytest
 import raw_datagrams
 from front_designs import FRAMES, design_of, made
 from sculler_model.errors import InputError
-from sculler_model.front import Check, Counter, FrontModel, FrontSample, Number
+from sculler_model.front import Check, Counter, FrontModel, FrontSample, Number, adis_requests
 
 
 def counts(number: int) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
@@ -207,3 +207,11 @@ def test_what_does_not_fit_is_named(changed: dict[str, Any], said: str) -> None:
 
     with pytest.raises(InputError, match=said):
         Design.parse(data)
+
+
+def test_registers_are_asked_for_by_their_addresses() -> None:
+    """Those of the data sheets: X_GYRO_OUT 12 ... Z_ACCL_OUT 26; X_DELTANG_LOW 40 ... 56."""
+    high = [0x08, 0x12, 0x16, 0x1A, 0x1E, 0x22, 0x26]
+    assert adis_requests(increments=False, long=False) == tuple(a << 8 for a in high)
+    both = [0x08, *range(0x40, 0x58, 2)]
+    assert adis_requests(increments=True, long=True) == tuple(a << 8 for a in both)
