@@ -24,6 +24,6 @@ module top (
     clocks <= !rst && psel && penable && !pready ? clocks + 1 : 0;
     if (pready && !rst) assert (psel && penable);
     if (pslverr) assert (pready);
-    assert (clocks <= 3);
+    assert (clocks <= 4);
   end
 endmodule

@@ -20,6 +20,6 @@ module top (
     clocks <= !rst && cyc && stb && !ack && !err ? clocks + 1 : 0;
     assert (!(ack && err));
     if ((ack || err) && !rst) assert (cyc && stb);
-    assert (clocks <= 3);
+    assert (clocks <= 4);
   end
 endmodule

@@ -23,6 +23,6 @@ module top (
     if ((ack || err) && cyc && cyc_before && !rst) assert (open != 0);
     if ((ack || err) && !rst) assert (cyc_before);
     assert (open <= 1);
-    assert (clocks <= 4);
+    assert (clocks <= 5);
   end
 endmodule

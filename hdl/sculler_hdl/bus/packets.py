@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth import Cat, Module, Signal, unsigned
+from amaranth import Cat, Module, Mux, Signal, unsigned
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -17,10 +17,11 @@ class PacketSender(wiring.Component):
 
     Members:
         waits (in): a result waits; pop (out): it has been sent.
-        address, read (out), data (in): its words; data come in the clock after and stay.
+        address, read (out), data (in): its words; data come two steps
+            later, a step being a clock in which it is read.
         valid, ready, word, last, status: the packets; all stay as they are until taken.
 
-    Latency: three clocks from `waits` to a packet's first word; then a word a clock.
+    Latency: five clocks from `waits` to a packet's first word; then a word a clock.
 
     Args:
         window: the words of a result.
@@ -46,32 +47,38 @@ class PacketSender(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
-        words = self.window.words
-        index = Signal(range(words))
+        last = self.window.words - 1
         move = Signal()
-        taken = Signal()
-        ask = Signal()
-        told = Signal()
-        run = Signal()
+        busy = Signal()  # a result is being sent
+        ask = Signal()  # words are asked for, the status before all
+        first = Signal(init=1)  # it is the status's turn
+        index = Signal(range(self.window.words))
+        coming = Signal(3)  # what comes next from the memory: status, word, last word
+        told = Signal()  # the status stands at the output
         m.d.comb += [
-            taken.eq(self.valid & self.ready),
             move.eq(~self.valid | self.ready),
-            ask.eq(self.waits & ~told & ~run & ~self.valid & ~self.pop),
-            self.read.eq(ask | (run & move)),
-            self.address.eq(index),
+            self.read.eq(move),
+            self.address.eq(Mux(first, self.window.words_per_column, index)),
             self.word.eq(self.data),
         ]
-        with m.If(ask):  # of the status column's first word
-            m.d.comb += self.address.eq(self.window.words_per_column)
-        m.d.sync += [told.eq(ask), self.pop.eq(taken & self.last)]
-        with m.If(told):
-            m.d.sync += [self.status.eq(self.data), run.eq(1)]
+        m.d.sync += self.pop.eq(self.valid & self.ready & self.last)
+        with m.If(self.waits & ~busy):
+            m.d.sync += [busy.eq(1), ask.eq(1)]
+        with m.If(self.pop):
+            m.d.sync += busy.eq(0)
         with m.If(move):
-            m.d.sync += [self.valid.eq(run), self.last.eq(run & (index == words - 1))]
-            with m.If(run):
-                m.d.sync += index.eq(index + 1)
-                with m.If(index == words - 1):
-                    m.d.sync += [index.eq(0), run.eq(0)]
+            m.d.sync += [
+                coming.eq(Cat(ask & first, ask & ~first, ask & ~first & (index == last))),
+                Cat(told, self.valid, self.last).eq(coming),
+            ]
+            with m.If(ask):
+                m.d.sync += first.eq(0)
+                with m.If(~first):
+                    m.d.sync += index.eq(index + 1)
+                with m.If(~first & (index == last)):
+                    m.d.sync += [index.eq(0), first.eq(1), ask.eq(0)]
+        with m.If(told):
+            m.d.sync += self.status.eq(self.data)
         return m
 
 

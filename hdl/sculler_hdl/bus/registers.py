@@ -62,14 +62,14 @@ class RegisterFile(wiring.Component):
     Members:
         request (in), answer (out): the bus.
         window_address, window_read (out), window_data (in): the oldest result's words; data come
-            in the clock after.
+            two steps later, a step being a clock in which it is read.
         results_wait (in): there is a result in the window.
         irq (out): something that is enabled waits.
         And for each field of the table, REGISTER_FIELD: of kind "r" an input with its value, of
         "rw" an output, of "pulse" an output that is high for a clock, of "w1c" an input that sets
         it.  What never changes, and what this file itself knows, has none.
 
-    Latency: an answer is valid two clocks after its request.
+    Latency: an answer is valid three clocks after its request.
 
     Args:
         table: the registers.
@@ -103,26 +103,30 @@ class RegisterFile(wiring.Component):
     def elaborate(self, platform: object) -> Module:
         m = Module()
         request, answer = self.request, self.answer
-        look = Signal()
-        window = Signal()
+        look = Signal()  # which register it is, is found
+        act = Signal()  # what it does, is done
+        in_window = Signal()
         known = Signal()
-        ok = Signal()
         address = Signal(ADDRESS_BITS)
         data = Signal(32)
         write = Signal()
         strobe = Signal(4)
         word = Signal(32)
         from_window = Signal()
+        aligned = address[:2] == 0
         end = (WINDOW >> 2) + self.table.window.words
+        inside = (address >= WINDOW) & (address[2:] < end)
         m.d.comb += [
-            request.ready.eq(~look & ~answer.valid),
-            window.eq((address >= WINDOW) & (address[2:] < end) & self.results_wait & ~write),
-            ok.eq((address[:2] == 0) & (known | window)),
+            request.ready.eq(~look & ~act & ~answer.valid),
             self.window_address.eq(address[2:]),
-            self.window_read.eq(look),
+            self.window_read.eq(look | act),
             answer.data.eq(Mux(from_window, self.window_data, word)),
         ]
-        m.d.sync += look.eq(request.valid & request.ready)
+        m.d.sync += [
+            look.eq(request.valid & request.ready),
+            act.eq(look),
+            in_window.eq(inside & aligned & self.results_wait & ~write),
+        ]
         with m.If(request.valid & request.ready):
             m.d.sync += [
                 address.eq(request.address),
@@ -132,12 +136,6 @@ class RegisterFile(wiring.Component):
             ]
         with m.If(answer.ready):
             m.d.sync += answer.valid.eq(0)
-        with m.If(look):
-            m.d.sync += [
-                answer.valid.eq(1),
-                answer.error.eq(~ok),
-                from_window.eq(ok & window),
-            ]
         self._emit_sticky(m)
         for register, field in self._fields():
             if field.access == "pulse":
@@ -146,14 +144,19 @@ class RegisterFile(wiring.Component):
         words, found = [], []
         for register in self.table.registers:
             here = Signal(name=f"at_{register.name}")
-            m.d.comb += here.eq(address[2:] == register.address >> 2)
+            m.d.sync += here.eq((address[2:] == register.address >> 2) & aligned)
             words.append(self._value_of(register) & here.replicate(32))
             found.append(here if register.writable else here & ~write)
-            with m.If(look & ok & here):
+            with m.If(act & here):
                 self._access(m, register, write, data, lanes)
         m.d.comb += known.eq(Cat(*found).any())
-        with m.If(look):
-            m.d.sync += word.eq(reduce(or_, words) & (ok & ~write).replicate(32))
+        with m.If(act):
+            m.d.sync += [
+                answer.valid.eq(1),
+                answer.error.eq(~known & ~in_window),
+                from_window.eq(in_window),
+                word.eq(reduce(or_, words)),
+            ]
         return m
 
     def _emit_sticky(self, m: Module) -> None:

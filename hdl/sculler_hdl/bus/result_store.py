@@ -31,7 +31,8 @@ class ResultStore(wiring.Component):
         stamps (in): the words behind the columns, as many bits as the window has for them.
         stored (out), status (out): a result counts from the next clock on; its status.
         waiting (out): results that count.
-        address, read (in), data (out): a word of the oldest result, in the clock after `read`.
+        address, read (in), data (out): a word of the oldest result, two steps later, a step being
+            a clock in which `read` is high; between, it keeps.
         pop (in): frees the oldest result; nothing where none waits.
 
     Throughput: a word of 16 bits a clock, and a clock a word of the stamps between results.
@@ -74,13 +75,16 @@ class ResultStore(wiring.Component):
             shape=unsigned(32), depth=self.depth << self.index_bits, init=[]
         )
         write, read = places.write_port(), places.read_port()
+        data = Signal(32)  # behind the memory, whose own register is slow to show a word
+        with m.If(self.read):
+            m.d.sync += data.eq(read.data)
         head = Signal(range(self.depth))
         tail = Signal(range(self.depth))
         freed = Signal()
         m.d.comb += [
             read.addr.eq(Cat(self.address, head)),
             read.en.eq(self.read),
-            self.data.eq(read.data),
+            self.data.eq(data),
             freed.eq(self.pop & (self.waiting != 0)),
         ]
         with m.If(freed):
