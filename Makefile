@@ -8,6 +8,7 @@
 #   make lint    formatter, linter, type checker, import directions
 #   make bench   speeds, medians of several runs
 #   make accuracy  docs/explanation/accuracy.md and its pictures: the papers' figures beside ours
+#   make buses     docs/explanation/bus-area.md: area and rate of each bus, some minutes
 #   make host-c    docs/explanation/host-in-c-targets.md: the host in C for small processors, a minute
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route, about half an hour
 #   make prove   docs/explanation/proof.md: the port contract proved on small cores, half an hour
@@ -22,7 +23,7 @@ READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware host-c prove release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses host-c prove release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY) $(TOOLS)
@@ -117,6 +118,9 @@ accuracy: $(READY)
 
 hardware: $(READY)
 	$(BIN)/python -m studies.hardware
+
+buses: $(READY)
+	$(BIN)/python -m studies.bus
 
 host-c: $(READY)
 	$(BIN)/python -m studies.host_c

@@ -14,7 +14,7 @@ async def walk(dut: Any) -> None:
     """Registers answer, with the values they have after reset; all other addresses are errors."""
     host, _ = await begin(dut)
     registers: dict[int, list[list[int]]] = {int(at): f for at, f in JOB["registers"].items()}
-    for address in range(0, 0x1000, 4 if JOB["whole"] else 12):
+    for address in range(0, 0x1000, 4 if JOB["whole"] else 20):
         if address not in registers:
             await host.read(address, error=True)
             await host.write(address, 0, error=True)

@@ -11,6 +11,8 @@ import pytest
 
 from register_facts import Facts, from_rdl
 from sculler_hdl import generate
+from sculler_hdl.export.register_files import c_header, systemrdl
+from sculler_hdl.plan.registers import RegisterMap
 from sculler_model.design import Design, scales_hash
 from strategies import make_design
 
@@ -77,16 +79,22 @@ def from_c(text: str, name: str, folder: Path) -> tuple[Facts, dict[str, int]]:
 
 @DESIGNS
 def test_systemrdl_and_c_agree(design: Design, tmp_path: Path) -> None:
-    texts = generate(design).further
-    rdl = from_rdl(texts[f"{design.name}.rdl"], tmp_path)
-    header = from_c(texts[f"{design.name}_regs.h"], design.name, tmp_path)
+    rdl = from_rdl(systemrdl(RegisterMap(design)), tmp_path)
+    header = from_c(c_header(RegisterMap(design)), design.name, tmp_path)
     assert rdl == header
+
+
+def test_generate_writes_both() -> None:
+    design = designs()["plain"]
+    texts = generate(design).further
+    assert texts["plain.rdl"] == systemrdl(RegisterMap(design))
+    assert texts["plain_regs.h"] == c_header(RegisterMap(design))
 
 
 @DESIGNS
 def test_every_column_has_an_address(design: Design, tmp_path: Path) -> None:
     """By what the page says: from 800 on, each column the same number of words."""
-    facts, _ = from_rdl(generate(design).further[f"{design.name}.rdl"], tmp_path)
+    facts, _ = from_rdl(systemrdl(RegisterMap(design)), tmp_path)
     widest = max(getattr(design.words, name).bits for name in design.vectors)
     words = -(-widest // 32)
     for number, column in enumerate(design.columns):
@@ -96,7 +104,7 @@ def test_every_column_has_an_address(design: Design, tmp_path: Path) -> None:
 
 @DESIGNS
 def test_constants(design: Design, tmp_path: Path) -> None:
-    _, resets = from_rdl(generate(design).further[f"{design.name}.rdl"], tmp_path)
+    _, resets = from_rdl(systemrdl(RegisterMap(design)), tmp_path)
     assert resets["identity_value"] == int.from_bytes(b"SCUL", "big")
     assert resets["scales_value"] == scales_hash(design)
     assert resets["design_value"] == int(design.digest, 16) >> 224
