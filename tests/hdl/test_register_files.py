@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -118,3 +119,26 @@ def test_the_scales_hash_changes_with_the_scales_alone() -> None:
     other = one.as_json()
     other["sensor"]["gyro"]["lsb"] *= 1.5
     assert scales_hash(Design.parse(other)) != scales_hash(one)
+
+
+@DESIGNS
+def test_ip_xact_by_peakrdl(design: Design, tmp_path: Path) -> None:
+    """Every register, and every column of the window, at its address."""
+    ipxact = pytest.importorskip("peakrdl_ipxact", reason="peakrdl-ipxact is not installed")
+    from systemrdl import RDLCompiler
+
+    table = RegisterMap(design)
+    (tmp_path / "registers.rdl").write_text(systemrdl(table))
+    compiler = RDLCompiler()
+    compiler.compile_file(str(tmp_path / "registers.rdl"))
+    exporter = ipxact.IPXACTExporter()
+    exporter.export(compiler.elaborate(), str(tmp_path / "registers.xml"))
+    found = {}
+    for register in ElementTree.parse(tmp_path / "registers.xml").iter():
+        if register.tag.endswith("}register"):
+            values = {child.tag.partition("}")[2]: child.text or "" for child in register}
+            found[values["name"]] = int(values["addressOffset"].replace("'h", "0x"), 0)
+    expected = {register.name: register.address for register in table.registers}
+    for entry in table.window.entries:
+        expected[f"result_{entry.name}"] = 0x800 + 4 * entry.first
+    assert found == expected
