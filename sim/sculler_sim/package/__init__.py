@@ -7,7 +7,7 @@
     vendors         NAME_vivado.tcl, NAME_hw.tcl, for Vivado and Platform Designer
     cocotb_bench    test_NAME.py, a bench for pytest and cocotb
     boards          NAME_BOARD.v, pins and Makefile: example top levels
-    files           all of them but those of boards
+    files           all of them
 
 Nothing here builds hardware; it describes what `sculler_hdl` generated.
 """

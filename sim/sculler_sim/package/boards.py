@@ -69,6 +69,15 @@ class Board:
     pins: Mapping[str, str]
     options: str
 
+    def sources(self, design: str) -> list[str]:
+        """The files to synthesise for a design of this name."""
+        parts = (f"_{self.name}", "_unit", "_front", "", "_bus")
+        return [f"{design}{part}.v" for part in parts]
+
+    def pin_file(self, design: str) -> str:
+        """The file of the pins."""
+        return f"{design}_{self.name}.{'lpf' if self.family == 'ecp5' else 'pcf'}"
+
 
 _ALL = (
     Board(
@@ -108,22 +117,31 @@ _ALL = (
 BOARDS = {board.name: board for board in _ALL}
 
 
+def find_board(name: str) -> Board:
+    """The board of a name.
+
+    Raises:
+        InputError: there is none.
+    """
+    if name not in BOARDS:
+        raise InputError(f"--board {name}: no such board, give one of {', '.join(BOARDS)}")
+    return BOARDS[name]
+
+
 def board_texts(generated: Generated, name: str) -> dict[str, str]:
     """Top level, pins and Makefile for a board: texts by the name of their file.
 
     Raises:
         InputError: there is no such board, or the design is not one for it.
     """
-    if name not in BOARDS:
-        raise InputError(f"--board {name}: no such board, give one of {', '.join(BOARDS)}")
-    board, design = BOARDS[name], generated.manifest.design
+    board, design = find_board(name), generated.manifest.design
     _check(board, design)
     top = f"{design.name}_{name}"
-    sources = [f"{top}.v", *(f"{design.name}{part}.v" for part in ("_unit", "_front", "", "_bus"))]
+    sources = board.sources(design.name)
     pins = {"ecp5": _lpf, "ice40": _pcf}[board.family](board, top)
     return {
         f"{top}.v": _top(board, design, top),
-        f"{top}.{'lpf' if board.family == 'ecp5' else 'pcf'}": pins,
+        board.pin_file(design.name): pins,
         f"{top}.mk": _makefile(board, top, sources),
     }
 

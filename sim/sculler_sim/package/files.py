@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from sculler_hdl import Generated
+from sculler_sim.package.boards import board_texts, find_board
 from sculler_sim.package.cocotb_bench import cocotb_bench
 from sculler_sim.package.constraints import constraints
 from sculler_sim.package.contents import CLOCK_MHZ, contents
@@ -11,7 +12,9 @@ from sculler_sim.package.ipxact import YEARS, ipxact_component
 from sculler_sim.package.vendors import quartus_script, vivado_script
 
 
-def package_texts(generated: Generated, clock_mhz: float = CLOCK_MHZ) -> dict[str, str]:
+def package_texts(
+    generated: Generated, clock_mhz: float = CLOCK_MHZ, board: str | None = None
+) -> dict[str, str]:
     """The package of a generated core: texts by the name of their file.
 
     They name the files that `generate` writes, beside which they belong.  The same core and clock
@@ -20,17 +23,20 @@ def package_texts(generated: Generated, clock_mhz: float = CLOCK_MHZ) -> dict[st
     Args:
         generated: the core.
         clock_mhz: rate of its clock, for the constraints.
+        board: name of a board to write a top level for.
 
     Raises:
-        InputError: the clock rate is none, or PyYAML is not installed.
+        InputError: the clock rate is none, there is no such board or the design is none for it, or
+            PyYAML is not installed.
     """
     held, timing = contents(generated, clock_mhz), generated.manifest.timing
     name = held.name
     return {
-        f"{name}.core": fusesoc_core(held),
+        f"{name}.core": fusesoc_core(held, find_board(board) if board else None),
         **{f"{name}_ipxact_{year}.xml": ipxact_component(held, year) for year in YEARS},
         f"{name}_vivado.tcl": vivado_script(held),
         f"{name}_hw.tcl": quartus_script(held),
         **constraints(held),
         f"test_{name}.py": cocotb_bench(held, timing),
+        **(board_texts(generated, board) if board else {}),
     }
