@@ -20,9 +20,18 @@ COSIM = Path(__file__).parents[1] / "cosim"
 
 
 def bus_design(
-    result: str, core: str = "compact", overrun: str = "drop-sample", **bus: Any
+    result: str,
+    core: str = "compact",
+    overrun: str = "drop-sample",
+    initial: bool = True,
+    **bus: Any,
 ) -> Design:
-    hardware = {"core": core, "overrun": overrun, "bus": {"result": result, **bus}}
+    hardware = {
+        "core": core,
+        "overrun": overrun,
+        "initial": initial,
+        "bus": {"result": result, **bus},
+    }
     return make_design("narrow", 2, 1, 2, (8, 8), hardware=hardware)
 
 
@@ -136,6 +145,7 @@ REGISTERS: dict[str, dict[str, Any]] = {
     "axi-lite-no-stamps": {"result": "axi-lite", "time_stamps": False},
     "apb": {"result": "apb"},
     "apb-separate": {"result": "apb", "clock": "separate", "depth": 16},
+    "apb-no-initial-values": {"result": "apb", "clock": "separate", "initial": False},
     "wishbone": {"result": "wishbone"},
     "wishbone-separate": {"result": "wishbone", "clock": "separate"},
     "wishbone-pipelined": {"result": "wishbone-pipelined"},
