@@ -181,3 +181,33 @@ def test_a_wire_full_of_sync_bytes() -> None:
     check(link, content, [])
     rng = random.Random(1)
     check(link, bytes(rng.choice(b"\x55\xaa") for _ in range(60)), [])
+
+
+def at_clocks(*frames: tuple[int, int]) -> list[tuple[int, int]]:
+    """Bytes of numbered frames whose last byte is whole in a clock."""
+    return [
+        (last - SPACING * (10 - place), byte)
+        for last, number in frames
+        for place, byte in enumerate(frame(number))
+    ]
+
+
+def test_time_outs_come_to_the_clock_and_late_frames_are_not_used() -> None:
+    link = quick(DESIGN.front)
+    first, due, interval = 500, 500 + link.time_out, link.interval
+    found = {}
+    for late in (0, 1):  # the frame's last byte in the clock of the time-out, or one later
+        stream = at_clocks((first, 0), (due + late, 4), (due + late + interval, 5))
+        found[late] = run_parts(link, stream, due + 2 * interval)
+        assert found[late] == run_page(link, stream, due + 2 * interval)
+    counters = [found[late][1] for late in (0, 1)]
+    assert [each["frames_late"] for each in counters] == [0, 4]
+    assert [each["frames_missed"] for each in counters] == [3, 0]
+    assert [each["frames_bad"] for each in counters] == [0, 1]
+    # five placeholders by time-outs: frame 1 is the oldest whose place they took
+    for number, bad, jumps in ((1, 1, 0), (0, 0, 1)):
+        stream = at_clocks((first, 0), (due + interval + 200, number))
+        samples, counted = run_parts(link, stream, due + 2 * interval)
+        assert (samples, counted) == run_page(link, stream, due + 2 * interval)
+        assert counted["frames_late"] == 5
+        assert (counted["frames_bad"], counted["sensor_faults"]) == (bad, jumps)

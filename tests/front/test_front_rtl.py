@@ -19,6 +19,12 @@ from tiers import few_of
 SLOW = 16 * 921600.0  # as few clocks as there may be in a bit
 
 
+def without_initial_values() -> Design:
+    data = design_of("custom", clock_hz=SLOW).as_json()
+    data["hardware"]["initial"] = False
+    return Design.parse(data)
+
+
 def without_counter() -> Design:
     data = design_of("custom", clock_hz=SLOW).as_json()
     del data["hardware"]["front"]["frame"]["counter"]
@@ -35,9 +41,11 @@ CASES = {
     ),
     "hg4930": (design_of("hg4930", 500.0, clock_hz=16e6), "hg4930", 1),
     "custom": (design_of("custom", clock_hz=SLOW), "custom", 1),
+    "no initial values": (without_initial_values(), "custom", 1),
     "custom, no counter": (without_counter(), "custom", 1),
     "custom, parity": (design_of("custom", clock_hz=1.7 * SLOW, parity="odd"), "custom", 1),
 }
+QUICK = ["stim300", "custom, no counter", "no initial values"]
 Counts = tuple[tuple[int, int, int], tuple[int, int, int]]
 
 
@@ -192,7 +200,7 @@ def test_silence_brings_placeholders_and_a_frame_finds_its_place_again(tmp_path:
 
 
 @needs_icarus
-@pytest.mark.parametrize("case", few_of(CASES, ["stim300", "custom, no counter"]))
+@pytest.mark.parametrize("case", few_of(CASES, QUICK))
 def test_latency_and_instant_are_as_stated(case: tuple[Design, str, int], tmp_path: Path) -> None:
     design, name, _ = case
     assert design.front is not None
