@@ -193,11 +193,19 @@ def bus_ports(result: str, *keys: str) -> str:
     return _table(("port", "direction", "bits", "meaning"), rows)
 
 
+def c_header(name: str) -> str:
+    """A header of the host in C."""
+    from sculler.host_c import library_texts
+
+    return f"```c\n{library_texts()[name]}```"
+
+
 MAKERS: dict[str, Callable[..., str]] = {
     "design-keys": design_keys,
     "presets": presets,
     "ports": ports,
     "registers": registers,
     "bus-ports": bus_ports,
+    "c-header": c_header,
     "commands": commands,
 }

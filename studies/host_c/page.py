@@ -99,7 +99,6 @@ def memory(found: Sequence[Measured]) -> Iterator[str]:
         "Code is instructions and constants: of the navigator with increments and decoding, of"
         " telemetry and alignment each by itself, and of the whole flight program (navigator and"
         " telemetry) with what it takes of the mathematical library and the compiler's, unused"
-        " functions left out; without the libraries where they are an operating system's."
         " functions left out; without the libraries where they are an operating system's. Data is"
         " one navigator, and one window of alignment, which is free again after it. The stack is"
         " what an update with state and frame touched, measured by a pattern; alignment takes some"

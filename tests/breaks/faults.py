@@ -35,7 +35,7 @@ class Fault:
             path.relative_to(root)
             for package in SOURCES
             for path in sorted((root / package).rglob("*"))
-            if path.suffix in (".py", ".in", ".v", ".cpp")
+            if path.suffix in (".py", ".in", ".v", ".cpp", ".c", ".h")
             for _ in range(path.read_text(encoding="utf-8").count(self.line))
         ]
         if len(found) != 1:
@@ -127,6 +127,24 @@ FAULTS: dict[str, Fault] = {
         '">i3") for at in (1, 11)',
         '"<i3") for at in (1, 11)',
         ("cli/test_raw_logs.py",),
+    ),
+    "c-turn": Fault(
+        "the host in C forgets the second order of the level frame's turn",
+        "dv_sf_w = sculler_plus(sculler_plus(dv, once, -0.5), twice, 1.0 / 12.0);",
+        "dv_sf_w = sculler_plus(dv, once, -0.5);",
+        ("host_c/test_against_python.py",),
+    ),
+    "c-rounding": Fault(
+        "the host in C cuts long integers off",
+        "top |= rest ? UINT64_C(1) : UINT64_C(0);",
+        "",
+        ("host_c/test_against_python.py",),
+    ),
+    "c-crc": Fault(
+        "the CRC of a frame from C leaves its last field out",
+        "(void)put(to, sculler_crc32(frame, CRC_AT), 4u);",
+        "(void)put(to, sculler_crc32(frame, CRC_AT - 8u), 4u);",
+        ("cli/test_telemetry.py",),
     ),
     "overwrite": Fault(
         "an output may replace an input",

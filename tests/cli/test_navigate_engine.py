@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import sculler
 from fine_sensor import fine_design_file
 from sculler.formats.log import LogWriter
 from sculler_model.design import Design
@@ -81,6 +82,25 @@ def test_files_are_those_of_the_host_in_python(
         found[engine] = (out.read_bytes(), frames.read_bytes(), said)
     assert len(found["c"][0].splitlines()) > 400
     assert found["c"] == found["python"]
+
+
+@needs_gcc
+def test_the_library_takes_either_engine() -> None:
+    """Whole runs, and a live host that takes results one by one."""
+    design = sculler.Design.preset("hg4930")
+    log = sculler.record(design, sculler.motion("turn"), 1.0)
+    vectors, begin = sculler.FastModel(design).feed(log.counts), {"lat": 48, "lon": 11, "height": 5}
+    whole = sculler.navigate(design, vectors, ve=30, **begin)
+    found = sculler.navigate(design, vectors, ve=30, engine="c", **begin)
+    assert np.array_equal(found.history.to_numpy(), whole.history.to_numpy())
+    live = sculler.LiveNavigator(design, ve=30, engine="c", **begin)
+    parts = [live.feed_vectors(vectors[row : row + 1]) for row in range(len(vectors))]
+    states = np.concatenate([part.to_numpy() for part in parts])
+    assert np.array_equal(states[:, 1:], whole.history.to_numpy()[:, 1:])
+    with pytest.raises(sculler.Error, match="engine: 'ada' is not allowed"):
+        sculler.navigate(design, vectors, engine="ada", **begin)
+    with pytest.raises(sculler.Error, match="compiled is for the engine python"):
+        sculler.LiveNavigator(design, engine="c", compiled=True, **begin)
 
 
 @needs_gcc

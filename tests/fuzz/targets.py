@@ -80,6 +80,7 @@ TARGETS = (
     Target("truth-npz", "truth.npz", TRUTH),
     Target("truth-mat", "truth.mat", TRUTH, 4, programs=True),
     Target("truth-parquet", "truth.parquet", TRUTH),
+    Target("truth-frames", "truth.frames", TRUTH),
     Target("convert-csv", "rates.csv", RATES),
     Target("convert-resample", "rates.csv", RATES + " --steps resample --axes RFU"),
     Target("convert-bridge", "rates.csv", RATES + " --gaps bridge --start 0.1"),
@@ -204,6 +205,8 @@ def examples(folder: Path) -> dict[str, bytes]:
         arrays = dict(zip(header.split(","), counts.T.copy(), strict=True))
         CONTAINERS[kind](folder / f"counts.{kind}", arrays)
     _truths(folder)
+    run(*f"navigate {folder}/inc.toml {folder}/vectors.csv -o {folder}/n.csv --no-plots"
+        f" --truth {folder}/truth.csv --telemetry {folder}/truth.frames".split())  # fmt: skip
     _logs(folder, rng)
     write_recordings(folder)
     return {path.name: path.read_bytes() for path in folder.iterdir()}

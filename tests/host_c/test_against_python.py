@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import ctypes
+import re
 import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from sculler.host_c import HostInC, NavigatorInC
+from sculler.host_c import HostInC, NavigatorInC, host_texts
 from sculler.library import motions
-from sculler_model.design import STATUS_SHORT_HISTORY, Design, Interval
+from sculler_hdl.plan.result_window import ResultWindow
+from sculler_model.design import STATUS_SHORT_HISTORY, Design, Interval, scales_hash
 from sculler_model.errors import InputError
 from sculler_model.fast import FastModel, VectorBlock, WideIntegers
 from sculler_model.frames import AxisMap
@@ -150,6 +152,19 @@ def test_results_come_out_of_words_and_registers_as_they_went_in(design: Design)
         window = (ctypes.c_uint32 * len(registers))(*registers)
         getattr(functions, f"{name}_from_registers")(window, ctypes.byref(result))
         assert (result.major, result.status, integers(result)) == (major, status, row)
+
+
+def test_registers_stand_as_the_bus_has_them() -> None:
+    """The window of a design with a bus, its time stamps after the columns."""
+    hardware = {"bus": {"result": "axi-lite", "time_stamps": True}}
+    design = Design.parse({"preset": "stim300", "name": "bused", "hardware": hardware})
+    header = host_texts(design)["bused_host.h"]
+    said = dict(re.findall(r"#define BUSED_HOST_(\w+) (\w+)", header))
+    columns = ResultWindow(design).entries[: len(design.columns)]
+    assert int(said["REGISTERS"].rstrip("u")) == sum(entry.words for entry in columns)
+    assert int(said["REGISTERS_PER_COLUMN"].rstrip("u")) == columns[0].words
+    assert [entry.name for entry in columns] == list(design.columns)
+    assert int(said["SCALES"].rstrip("u"), 16) == scales_hash(design)
 
 
 def test_a_stream_finds_its_beginning_again() -> None:

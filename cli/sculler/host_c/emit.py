@@ -6,7 +6,7 @@ from importlib import resources
 from string import Template
 
 from sculler_model.algorithms import S_DENOMINATOR, SCROLLING_DENOMINATOR
-from sculler_model.design import HIGH_RESOLUTION_VECTORS, Design
+from sculler_model.design import HIGH_RESOLUTION_VECTORS, Design, scales_hash
 from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
 
 LIBRARY = (
@@ -88,6 +88,7 @@ def _words(design: Design) -> dict[str, str]:
         "registers": str(registers * len(design.columns)),
         "limbs": str(-(-per_column * WORD_BITS // 64)),
         "major_bits": str(major_bits),
+        "hash": f"0x{scales_hash(design):08X}u",
         "major_mask": f"0x{(1 << major_bits) - 1:X}u",
         "vectors": "\n".join(vectors),
         "sums": "\n".join(sums),

@@ -134,6 +134,7 @@ class Begin(TypedDict, total=False):
     height_damping: float | None
     gravity: str | Gravity
     noise: SensorNoise
+    engine: Literal["python", "c"]
 
 
 def _radians(value: float | None) -> float | None:
@@ -179,6 +180,7 @@ def make_plan(
         third_order=get("third_order", False),
         gravity=gravity_model(gravity) if isinstance(gravity, str) else gravity,
         noise=get("noise", ESTIMATED),
+        engine=get("engine", "python"),
     )
 
 
@@ -228,6 +230,7 @@ def navigate(
               major intervals from one position update to the next; `height_damping`: s
             - `gravity`: "normal", "constant", "constant:G", a table's path or a `Gravity`
             - `noise`: a `SensorNoise`, what is known of the sensors, for the alignment
+            - `engine`: "python", or "c": the host in C, compiled here; the same numbers
 
     Returns:
         The states, at the start and at the end of every major interval, and what was seen.

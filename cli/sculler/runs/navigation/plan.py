@@ -198,6 +198,10 @@ class Plan:
         realign: align anew after a break; else coast over it, and gather a window that a break
             cuts anew.
         engine: the host in Python, or the one in C that is generated, compiled and loaded.
+
+    Raises:
+        InputError: there is no such engine.
+        ContradictionError: the one in C, to be compiled by Numba.
     """
 
     design: Design
@@ -215,3 +219,9 @@ class Plan:
     noise: SensorNoise = ESTIMATED
     realign: bool = True
     engine: Literal["python", "c"] = "python"
+
+    def __post_init__(self) -> None:
+        if self.engine not in ("python", "c"):
+            raise InputError(f'engine: {self.engine!r} is not allowed, give "python" or "c"')
+        if self.engine == "c" and self.carrier.compiled:
+            raise ContradictionError("compiled is for the engine python, leave it out")
