@@ -1,9 +1,12 @@
-"""The pass that writes operand widths out, on RTLIL written by hand."""
+"""Passes over the emitted text: operand widths written out, long constants joined of pieces."""
+
+import re
 
 import pytest
 
 from sculler_hdl.export.rtlil_text import read_modules
 from sculler_hdl.export.rtlil_widths import equal_widths, top_bit
+from sculler_hdl.export.verilog_text import WIDEST, wrapped
 
 WIDTHS = {"\\a": 4, "\\b": 9, "\\v[0]": 5, "$1": 7}
 
@@ -83,3 +86,15 @@ def test_logic_not_becomes_a_comparison_with_zero():
     assert "  cell $eq $n\n" in out
     assert "    connect \\B 4'0000\n" in out
     assert "$logic_not" not in out
+
+
+def test_a_constant_too_long_for_a_line_is_joined_of_pieces():
+    value = int("1" + "0123456789abcdef" * 12, 16)
+    text = wrapped(f"  assign x = pick(a, 773'h{value:x}, b);")
+    assert max(map(len, text.splitlines())) <= WIDEST
+    pieces = re.findall(r"(\d+)'h([0-9a-f]+)", text)
+    whole = bits = 0
+    for width, digits in pieces:
+        assert len(digits) <= -(-int(width) // 4)
+        whole, bits = (whole << int(width)) | int(digits, 16), bits + int(width)
+    assert (whole, bits) == (value, 773)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
+from operator import or_
 from typing import Any
 
 from amaranth import C, Cat, ClockSignal, Const, Instance, Module, Signal, Value, unsigned
@@ -10,6 +12,9 @@ from amaranth.lib import memory, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.targets import Target
+
+_TABLE_WORDS = 64
+"""Of a table of logic: the Verilog text has lines as wide as a table has words."""
 
 
 class BlockMemory(wiring.Component):
@@ -87,12 +92,15 @@ class BlockMemory(wiring.Component):
         self._later(m, read.data, self.latency - 1)
 
     def _logic(self, m: Module) -> None:
-        """A word for each address, as a table."""
-        word = Signal(unsigned(self.width))
-        with m.Switch(self.address):
-            for address, value in enumerate(self.initial):
-                with m.Case(address):
-                    m.d.comb += word.eq(value)
+        """A word for each address, as tables of a few words each; others give 0."""
+        tables = []
+        for first in range(0, len(self.initial), _TABLE_WORDS):
+            tables.append(table := Signal(unsigned(self.width), name=f"table_{first}"))
+            with m.Switch(self.address):
+                for address, value in enumerate(self.initial[first : first + _TABLE_WORDS], first):
+                    with m.Case(address):
+                        m.d.comb += table.eq(value)
+        word = reduce(or_, tables)
         self._later(m, word, self.latency)
 
     def _later(self, m: Module, data: Value, steps: int) -> None:

@@ -25,6 +25,9 @@ _SYNCHRONISER = dict.fromkeys(("unsettled", "data_out"), '(* ASYNC_REG = "TRUE" 
 WIDEST = 100
 """Characters of a line."""
 
+_WIDE_CONSTANT = re.compile(r"\b(?P<bits>\d+)'h(?P<digits>[0-9a-f]{81,})\b")
+_PIECE_DIGITS = 16
+
 
 def wrapped(text: str) -> str:
     """The text with no line longer than `WIDEST`, as far as it can be broken."""
@@ -34,6 +37,8 @@ def wrapped(text: str) -> str:
 def _parts(line: str) -> Iterator[str]:
     margin = re.match(r"(?:// ?)? *", line)
     indent = (margin[0] if margin else "") + "    "
+    if len(line) > WIDEST:
+        line = _WIDE_CONSTANT.sub(_pieces, line)
     while len(line) > WIDEST:
         end = max(line.rfind(mark, len(indent), WIDEST) + 1 for mark in (" ", "("))
         if end <= len(indent):
@@ -41,6 +46,18 @@ def _parts(line: str) -> Iterator[str]:
         yield line[:end].rstrip()
         line = indent + line[end:]
     yield line
+
+
+def _pieces(constant: re.Match[str]) -> str:
+    """A constant too long for a line as the pieces that it is joined of, the highest first."""
+    bits, digits = int(constant["bits"]), constant["digits"]
+    count = -(-len(digits) // _PIECE_DIGITS)
+    padded = digits.zfill(count * _PIECE_DIGITS)
+    cut = [padded[i : i + _PIECE_DIGITS] for i in range(0, len(padded), _PIECE_DIGITS)]
+    highest = bits - 4 * _PIECE_DIGITS * (count - 1)
+    cut[0] = cut[0][-((highest + 3) // 4) :] if highest < 4 * _PIECE_DIGITS else cut[0]
+    widths = [highest, *[4 * _PIECE_DIGITS] * (count - 1)]
+    return "{ " + ", ".join(f"{w}'h{d}" for w, d in zip(widths, cut, strict=True)) + " }"
 
 
 def read_verilog(text: str) -> dict[str, str]:

@@ -33,7 +33,7 @@ _LARGE_CORE_FLAGS = [*_FLAGS, "-O1"]
 _START_FLAGS = [*_FLAGS, "-O0"]  # of a large core what runs once
 _RUNTIME_FLAGS = [*_FLAGS, "-O1"]  # Verilator's own code, which a running model hardly calls
 
-_EXACT_ROOMS = ("algorithms", "design", "golden")  # of sculler_model
+_EXACT_ROOMS = ("algorithms", "design", "golden", "front")  # of sculler_model
 
 
 @dataclass(frozen=True)
