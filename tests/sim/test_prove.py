@@ -79,11 +79,16 @@ def handshake(gates):
     return [name for name in gates.outputs if name in HANDSHAKE]
 
 
+FORGETS = {"compact_ice40": 1}  # its memory shows a word a clock earlier
+
+
 @pytest.mark.parametrize("name", few_of(list(SHAPES), ["one_minor"]))
 def test_reset_is_power_up_and_no_output_follows_an_input_at_once(name, tmp_path):
     gates = Gates(SHAPES[name], tmp_path)
     assert not any(gates.within_a_clock(output) for output in gates.outputs)
-    assert gates.forgets_after(handshake(gates)) == (2 if name.startswith("compact") else 0)
+    assert gates.forgets_after(handshake(gates)) == FORGETS.get(
+        name, 2 if name.startswith("compact") else 0
+    )
 
 
 @pytest.mark.deep

@@ -24,6 +24,7 @@ flatten
 delete t:$print
 memory_map
 opt -full
+dffunmap -ce-only
 simplemap
 techmap
 simplemap
