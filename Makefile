@@ -1,6 +1,6 @@
 # sculler: every target does its own set-up (a virtual environment in .venv).
 #   make demo    the main job end to end, files and pictures in build/demo
-#   make test    lint and the tests of every change, some five minutes on two cores
+#   make test    lint and the tests of every change, some eight minutes on two cores
 #   make test-deep  all tests, those of a release too, within an hour
 #   make test-breaks  faults made on purpose, and which test finds each (docs/explanation/testing.md)
 #   make test-lowest  the tests of what depends on others, with every dependency at its floor
@@ -11,7 +11,7 @@
 #   make buses     docs/explanation/bus-area.md: area and rate of each bus, some minutes
 #   make host-c    docs/explanation/host-in-c-targets.md: the host in C for small processors, a minute
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route, about half an hour
-#   make prove   docs/explanation/proof.md: the port contract proved on small cores, half an hour
+#   make prove   tries to prove the port contract on small cores, and writes what it proved; an hour or so
 #   make docs    the site of docs/ in build/site, without warnings; DOCS_FLAGS=... for MkDocs
 #   make release-check  wheel and sdist, built and tried outside the tree; they stay in build/release
 #   make clean   remove what the targets made
