@@ -70,7 +70,8 @@ def instructions(found: Sequence[Measured]) -> Iterator[str]:
     met = [one for one in fast if one.update <= GOAL_INSTRUCTIONS and one.whole <= GOAL_BYTES]
     yield documents.paragraph(
         f"The goal, {GOAL_INSTRUCTIONS:,} instructions an update and {GOAL_BYTES // 1024} KiB of"
-        f" code with hardware for doubles, is met on {len(met)} of {len(fast)} processors."
+        f" code with hardware for doubles, is met on {len(met)} of {len(fast)} processors; where"
+        ' the table says "without", code is counted without the libraries.'
         " Without such hardware every operation is a call into the compiler's library, some"
         " ten to thirty times as many instructions, and up to three times the code."
     )
