@@ -52,8 +52,11 @@ PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal
 test:
 	@$(MAKE) --no-print-directory --jobs=2 lint quick
 
+# what fails beside others is tried once more by itself: a fault fails again
+AGAIN := --last-failed --last-failed-no-failures none
+
 quick: $(TOOLS)
-	$(PYTEST) -m "not deep" </dev/null
+	$(PYTEST) -m "not deep" </dev/null || $(BIN)/pytest -m "not deep" $(AGAIN) </dev/null
 
 test-deep: lint $(TOOLS)
 	$(PYTEST) </dev/null
@@ -82,7 +85,8 @@ test-lowest:
 	$(UV) --resolution lowest-direct --editable '.[$(EXTRAS)]'
 	@# old releases use what newer Pythons and each other give up
 	$(LOWEST)/bin/pytest -n auto --dist worksteal -q -m "not deep" -W ignore::DeprecationWarning \
-	  $(LOWEST_TESTS) </dev/null
+	  $(LOWEST_TESTS) </dev/null || \
+	  $(LOWEST)/bin/pytest -m "not deep" -W ignore::DeprecationWarning $(AGAIN) $(LOWEST_TESTS) </dev/null
 
 LOWEST_TESTS := tests/model tests/library tests/cli tests/hdl/test_verilog.py tests/sim/test_verilator_build.py \
   tests/sim/test_waves.py tests/sim/test_vectors_file.py --ignore=tests/cli/test_base_install.py
