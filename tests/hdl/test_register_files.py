@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -142,3 +144,29 @@ def test_ip_xact_by_peakrdl(design: Design, tmp_path: Path) -> None:
     for entry in table.window.entries:
         expected[f"result_{entry.name}"] = 0x800 + 4 * entry.first
     assert found == expected
+
+
+_EMIT = """
+import sys
+from sculler_hdl import generate
+from sculler_model.design import Design
+hardware = {"core": "compact", "bus": {"result": "axi-lite", "clock": "separate"}}
+design = Design.parse({"preset": "hg4930", "name": "b", "hardware": hardware})
+sys.stdout.write(generate(design).further["b_bus.v"])
+"""
+
+
+def test_a_bus_of_two_clocks_is_the_same_bytes_in_every_process() -> None:
+    """Python orders the names of a set anew in each."""
+    texts = {
+        subprocess.run(
+            [sys.executable, "-c", _EMIT],
+            env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for seed in ("0", "1")
+    }
+    assert len(texts) == 1
+    assert "module b_bus (" in texts.pop()

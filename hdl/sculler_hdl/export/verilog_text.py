@@ -25,6 +25,8 @@ _SYNCHRONISER = dict.fromkeys(("unsettled", "data_out"), '(* ASYNC_REG = "TRUE" 
 WIDEST = 100
 """Characters of a line."""
 
+_OF_A_DOMAIN = re.compile(r"\w+_(clk|rst)")
+
 _WIDE_CONSTANT = re.compile(r"\b(?P<bits>\d+)'h(?P<digits>[0-9a-f]{81,})\b")
 _PIECE_DIGITS = 16
 
@@ -79,7 +81,9 @@ def tidy(
     found = _MODULE.fullmatch(module)
     assert found is not None, "no module"
     own = re.findall(r"\w+", found["ports"])
-    first = [*ports, *(port for port in ("clk", "rst") if port in own and port not in ports)]
+    # Amaranth has those of the clock domains in no order of its own
+    clocks = sorted(set(own) & {"clk", "rst"}) + sorted(filter(_OF_A_DOMAIN.fullmatch, own))
+    first = [*ports, *(port for port in clocks if port not in ports)]
     order = [*first, *(port for port in own if port not in first)]
     crossing = re.search(r"^  reg .*\bunsettled;$", found["body"], re.M) is not None
     heads: dict[str, str] = {}
