@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import random
-import shutil
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from cosim_runs import require_cosim, run_cosim
 from front_designs import design_of, made
 from front_runs import run_model
 from sculler_hdl import generate
@@ -17,7 +16,6 @@ from sculler_model.design import Design
 from sculler_model.front import Spi, Uart
 from tiers import few_of
 
-COSIM = Path(__file__).parents[1] / "cosim"
 SLOW = 16 * 921600.0
 CASES = {
     "stim300": (design_of("stim300", clock_hz=SLOW), "stim300"),
@@ -82,41 +80,14 @@ def job_of(design: Design, name: str) -> dict[str, Any]:
 @pytest.mark.parametrize("case", few_of(CASES, ["stim300", "adis16505"]))
 def test_what_is_sent_is_read(case: tuple[Design, str], tmp_path: Path) -> None:
     design, name = case
-    if shutil.which("iverilog") is None:
-        pytest.skip("Icarus Verilog is not installed")
-    runner = pytest.importorskip("cocotb_tools.runner", reason="cocotb is not installed")
+    require_cosim()
     if name[:4] != "adis":
         pytest.importorskip("cocotbext.uart", reason="cocotbext-uart is not installed")
     job = job_of(design, name)
     assert job["counters"]["frames_bad"] >= 1 or name == "adis16488"  # which has no check
     assert job["counters"]["frames_late"] >= 1
     assert len(job["samples"]) == 25  # time does not slip
-    (tmp_path / "job.json").write_text(json.dumps(job))
     top = f"{design.name}_front"
     source = tmp_path / f"{top}.v"
     source.write_text(generate(design).further[source.name])
-    simulator = runner.get_runner("icarus")
-    simulator.build(
-        sources=[source],
-        hdl_toplevel=top,
-        build_dir=tmp_path,
-        build_args=["-g2005", "-Wall"],
-        timescale=("1ps", "1ps"),
-        log_file=tmp_path / "build.log",
-    )
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(COSIM))  # the simulator's Python gets this path
-        patch.setenv("SCULLER_BENCH", str(tmp_path / "job.json"))
-        patch.setenv("COCOTB_LOG_LEVEL", "WARNING")
-        try:
-            simulator.test(
-                test_module="wire_bench",
-                hdl_toplevel=top,
-                build_dir=tmp_path,
-                test_dir=tmp_path,
-                log_file=tmp_path / "run.log",
-                results_xml=str(tmp_path / "results.xml"),
-            )
-        except SystemExit:
-            pytest.fail((tmp_path / "run.log").read_text()[-4000:])
-    assert runner.get_results(tmp_path / "results.xml")[1] == 0
+    run_cosim([source], top, "wire_bench", job, tmp_path, 2)

@@ -9,14 +9,14 @@ import pytest
 
 from sculler_hdl import generate
 from sculler_sim.prove.engine import Verdict, prove
-from sculler_sim.prove.problem import run_yosys
+from sculler_sim.prove.problem import TO_GATES, run_yosys
 from strategies import make_design
 from tiers import few_of
 
 PROPERTIES = Path(__file__).parents[1] / "formal"
 
 # the memory gives any word: what is proved does not hang on what results hold
-_SCRIPT = """
+_SCRIPT = f"""
 read_verilog bus.v
 read_verilog -sv -formal top.sv
 hierarchy -top top
@@ -24,17 +24,7 @@ proc
 flatten
 memory_collect
 cutpoint t:$mem_v2
-async2sync
-chformal -lower
-setattr -unset keep
-delete -output
-opt -full
-formalff -clk2ff -ff2anyinit
-simplemap
-techmap
-dffunmap
-opt -fast
-setundef -undriven -anyseq
+{TO_GATES}
 opt_clean
 aigmap
 write_aiger -zinit all.aig

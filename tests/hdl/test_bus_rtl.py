@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import json
-import shutil
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from cosim_runs import require_cosim, run_cosim
 from register_facts import from_rdl
 from sculler_hdl import generate
 from sculler_model.design import Design
 from sculler_model.golden import GoldenModel
 from strategies import make_design, samples_of
 from tiers import few_of
-
-COSIM = Path(__file__).parents[1] / "cosim"
 
 
 def bus_design(
@@ -97,9 +94,7 @@ def job_of(design: Design, seed: int, majors: int) -> dict[str, Any]:
 
 def run_bench(design: Design, folder: Path, module: str, job: dict[str, Any], tests: int) -> None:
     """Compile the unit with Icarus and run the tests of a module of `cosim`."""
-    if shutil.which("iverilog") is None:
-        pytest.skip("Icarus Verilog is not installed")
-    runner = pytest.importorskip("cocotb_tools.runner", reason="cocotb is not installed")
+    require_cosim()
     made = generate(design)
     sources = []
     texts = {f"{design.name}.v": made.verilog, **made.further}
@@ -108,34 +103,7 @@ def run_bench(design: Design, folder: Path, module: str, job: dict[str, Any], te
         if name.endswith(".v"):
             sources.append(folder / name)
             sources[-1].write_text(text)
-    (folder / "job.json").write_text(json.dumps(job))
-    simulator = runner.get_runner("icarus")
-    top = f"{design.name}_unit"
-    simulator.build(
-        sources=sources,
-        hdl_toplevel=top,
-        build_dir=folder,
-        build_args=["-g2005", "-Wall"],
-        timescale=("1ps", "1ps"),
-        log_file=folder / "build.log",
-    )
-    results = folder / "results.xml"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(COSIM))  # the simulator's Python gets this path
-        patch.setenv("SCULLER_BENCH", str(folder / "job.json"))
-        patch.setenv("COCOTB_LOG_LEVEL", "WARNING")
-        try:
-            simulator.test(
-                test_module=module,
-                hdl_toplevel=top,
-                build_dir=folder,
-                test_dir=folder,
-                log_file=folder / "run.log",
-                results_xml=str(results),
-            )
-        except SystemExit:
-            pytest.fail((folder / "run.log").read_text()[-4000:])
-    assert runner.get_results(results) == (tests, 0)
+    run_cosim(sources, f"{design.name}_unit", module, job, folder, tests)
 
 
 REGISTERS: dict[str, dict[str, Any]] = {

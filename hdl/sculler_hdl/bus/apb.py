@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from amaranth import Module, Signal, unsigned
+from amaranth import Module, Signal
 from amaranth.lib import wiring
-from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.bus.registers import Answer, Request
-from sculler_hdl.plan.registers import ADDRESS_BITS
+from sculler_hdl.bus.registers import slave_members
 
 
 class Apb(wiring.Component):
@@ -23,21 +21,7 @@ class Apb(wiring.Component):
 
     def __init__(self, domain: str = "sync") -> None:
         self.domain = domain
-        super().__init__(
-            {
-                "request": Out(Request()),
-                "answer": In(Answer()),
-                "psel": In(1),
-                "penable": In(1),
-                "pwrite": In(1),
-                "paddr": In(unsigned(ADDRESS_BITS)),
-                "pwdata": In(unsigned(32)),
-                "pstrb": In(unsigned(4)),
-                "pready": Out(1),
-                "prdata": Out(unsigned(32)),
-                "pslverr": Out(1),
-            }
-        )
+        super().__init__(slave_members("apb"))
 
     def elaborate(self, platform: object) -> Module:
         m = Module()

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from amaranth import Module, Mux, Signal, unsigned
+from amaranth import Module, Mux, Signal
 from amaranth.lib import wiring
-from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.bus.registers import Answer, Request
-from sculler_hdl.plan.registers import ADDRESS_BITS
+from sculler_hdl.bus.registers import slave_members
 
 SLVERR = 0b10
 """The answer to an access that is an error."""
@@ -29,29 +27,7 @@ class AxiLite(wiring.Component):
 
     def __init__(self, domain: str = "sync") -> None:
         self.domain = domain
-        super().__init__(
-            {
-                "request": Out(Request()),
-                "answer": In(Answer()),
-                "awvalid": In(1),
-                "awready": Out(1),
-                "awaddr": In(unsigned(ADDRESS_BITS)),
-                "wvalid": In(1),
-                "wready": Out(1),
-                "wdata": In(unsigned(32)),
-                "wstrb": In(unsigned(4)),
-                "bvalid": Out(1),
-                "bready": In(1),
-                "bresp": Out(unsigned(2)),
-                "arvalid": In(1),
-                "arready": Out(1),
-                "araddr": In(unsigned(ADDRESS_BITS)),
-                "rvalid": Out(1),
-                "rready": In(1),
-                "rdata": Out(unsigned(32)),
-                "rresp": Out(unsigned(2)),
-            }
-        )
+        super().__init__(slave_members("axi-lite"))
 
     def elaborate(self, platform: object) -> Module:
         m = Module()

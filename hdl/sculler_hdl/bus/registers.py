@@ -10,6 +10,7 @@ from amaranth import C, Cat, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from sculler_hdl.plan.bus_ports import own_ports
 from sculler_hdl.plan.registers import ADDRESS_BITS, WINDOW, Field, Register, RegisterMap
 
 REQUEST_BITS = 1 + ADDRESS_BITS + 32 + 4
@@ -44,6 +45,15 @@ class Answer(wiring.Signature):
         super().__init__(
             {"valid": Out(1), "ready": In(1), "data": Out(unsigned(32)), "error": Out(1)}
         )
+
+
+def slave_members(kind: str) -> dict[str, wiring.Member]:
+    """Of a bus's adapter: the bus's own (`plan.bus_ports`), and request and answer of registers."""
+    return {
+        "request": Out(Request()),
+        "answer": In(Answer()),
+        **{port.name: (Out if port.output else In)(port.bits) for port in own_ports(kind)},
+    }
 
 
 def bits_of(port: wiring.PureInterface) -> Value:

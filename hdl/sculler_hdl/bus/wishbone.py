@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from amaranth import Module, Signal, unsigned
+from amaranth import Module, Signal
 from amaranth.lib import wiring
-from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.bus.registers import Answer, Request
-from sculler_hdl.plan.registers import ADDRESS_BITS
+from sculler_hdl.bus.registers import slave_members
 
 
 class Wishbone(wiring.Component):
@@ -29,22 +27,7 @@ class Wishbone(wiring.Component):
     def __init__(self, *, pipelined: bool, domain: str = "sync") -> None:
         self.pipelined = pipelined
         self.domain = domain
-        super().__init__(
-            {
-                "request": Out(Request()),
-                "answer": In(Answer()),
-                "cyc": In(1),
-                "stb": In(1),
-                "we": In(1),
-                "adr": In(unsigned(ADDRESS_BITS)),
-                "dat_w": In(unsigned(32)),
-                "sel": In(unsigned(4)),
-                **({"stall": Out(1)} if pipelined else {}),
-                "ack": Out(1),
-                "err": Out(1),
-                "dat_r": Out(unsigned(32)),
-            }
-        )
+        super().__init__(slave_members("wishbone-pipelined" if pipelined else "wishbone"))
 
     def elaborate(self, platform: object) -> Module:
         m = Module()

@@ -15,16 +15,7 @@ from sculler_sim.place.tools import YOSYS, ToolError
 
 TOP = "sculler_proof"
 
-FLAT = """
-read_verilog {sources}
-read_verilog -sv -formal -D SCULLER_NO_BIND properties.sv
-read_verilog -sv -formal top.v
-hierarchy -check -top {top}
-proc
-flatten
-delete t:$print
-{cut}
-memory_map -formal
+TO_GATES = """\
 async2sync
 chformal -lower
 setattr -unset keep
@@ -35,7 +26,20 @@ simplemap
 techmap
 dffunmap
 opt -fast
-setundef -undriven -anyseq
+setundef -undriven -anyseq"""
+"""Passes from a flat module to gates and flip-flops that may begin as anything."""
+
+FLAT = """
+read_verilog {sources}
+read_verilog -sv -formal -D SCULLER_NO_BIND properties.sv
+read_verilog -sv -formal top.v
+hierarchy -check -top {top}
+proc
+flatten
+delete t:$print
+{cut}
+memory_map -formal
+{to_gates}
 write_rtlil flat.il
 """
 
@@ -79,7 +83,9 @@ def write_problems(
     (folder / "top.v").write_text(top_module(design.name, module_ports(design)), encoding="utf-8")
     found = re.findall(r"^ +(\w+): assert \(", text, re.M)
     chosen = found if labels is None else [label for label in labels if label in found]
-    script = FLAT.format(sources=sources, top=TOP, cut="cutpoint t:$mul" if cut else "")
+    script = FLAT.format(
+        to_gates=TO_GATES, sources=sources, top=TOP, cut="cutpoint t:$mul" if cut else ""
+    )
     run_yosys(folder, script + "design -reset\n" + "".join(map(_one, chosen)))
     return chosen
 
