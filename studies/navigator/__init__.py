@@ -1,0 +1,1 @@
+"""What the navigator ends with over a truth that shares no code with it."""
