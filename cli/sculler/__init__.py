@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from sculler.library.logs import write_log as write_log
     from sculler.library.models import FastModel as FastModel
     from sculler.library.motions import motion as motion
+    from sculler.library.motions import motion_through as motion_through
     from sculler.library.motions import record as record
     from sculler.library.navigating import Navigated as Navigated
     from sculler.library.navigating import increments as increments
@@ -91,6 +92,7 @@ _PLACES = {
     "generate": "sculler.library.hardware",
     "increments": "sculler.library.navigating",
     "motion": "sculler.library.motions",
+    "motion_through": "sculler.library.motions",
     "navigate": "sculler.library.navigating",
     "read_log": "sculler.library.logs",
     "read_vectors": "sculler.library.vectors",
@@ -131,6 +133,7 @@ __all__ = [
     "generate",
     "increments",
     "motion",
+    "motion_through",
     "navigate",
     "read_log",
     "read_vectors",

@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from sculler.formats import history, lines
-from sculler.formats import truth as truth_file
+from sculler.formats import history, lines, truth_columns
 from sculler.formats import vectors as vectors_file
 from sculler_model import motion
 from sculler_model.navigation import navigator
@@ -37,7 +36,7 @@ def _small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sculler.formats.tables.npz._IN_MEMORY", 1 << 10)
     monkeypatch.setattr("sculler.formats.vectors_table._TOGETHER", 500)
     monkeypatch.setattr(plausibility, "BLOCK", 1 << 9)
-    monkeypatch.setattr(truth_file, "BLOCK", 500)
+    monkeypatch.setattr(truth_columns, "BLOCK", 500)
     monkeypatch.setattr(vectors_file.read_vectors, "__defaults__", (None, 500))
     monkeypatch.setattr(history.Thinned.__init__, "__defaults__", (500,))
     monkeypatch.setattr(navigator, "WORTH_COMPILING", 10**9)

@@ -18,7 +18,8 @@ import scipy.io
 
 from fine_sensor import fine_design_file
 from sculler.formats.history import HEADER, HistoryWriter
-from sculler.formats.truth import BLOCK, read_truth
+from sculler.formats.truth import read_truth
+from sculler.formats.truth_columns import BLOCK
 from sculler.plots.truth import from_above
 from sculler_model.frames import gravity, radii
 from sculler_model.motion import great_circle, hour_flight, over_the_pole

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from sculler.formats import gravity, history, log, truth
+from sculler.formats import gravity, history, log, truth_columns
 from sculler_hdl import generate
 from sculler_model import design as design_room
 from sculler_model.analysis.vibration import SPECTRUM_COLUMNS
@@ -36,7 +36,7 @@ def first_column(page: str, after: str = "") -> list[str]:
         ("imu-log.md", [*log.COUNTS, *log.OPTIONAL], []),
         ("vectors.md", HIGH_RESOLUTION_COLUMNS, ["time_s"]),
         ("navigation-output.md", [*history.HEADER.split(","), history.WANDER], []),
-        ("truth-files.md", sorted(truth.KNOWN), []),
+        ("truth-files.md", sorted(truth_columns.KNOWN), []),
         ("small-files.md", [*gravity.COLUMNS, *SPECTRUM_COLUMNS], ["gain", "phase_deg"]),
     ],
 )

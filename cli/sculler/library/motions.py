@@ -7,11 +7,13 @@ from math import degrees, radians
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sculler.library.logs import Log
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.motion import MOTIONS, PLACE, Motion
+from sculler_model.frames import from_euler
+from sculler_model.motion import MOTIONS, PLACE, Motion, Points, through
 from sculler_model.samples import Quantiser, sample_stamp
 
 
@@ -59,6 +61,70 @@ def motion(
             )
     place: dict[str, Any] = {"lat": radians(lat), "lon": radians(lon), "h": height}
     return make(**{key: value for key, value in place.items() if key in allowed}, **parameters)
+
+
+def motion_through(
+    time: Any,
+    lat: Any,
+    lon: Any,
+    height: Any,
+    attitude: Any = None,
+    *,
+    smoothness: int = 3,
+) -> Motion:
+    """A smooth motion over the turning Earth that meets given points.
+
+    Args:
+        time: (N,) s, running forwards; the motion's time 0 is the first one.
+        lat, lon: (N,) degrees, geodetic on WGS-84.
+        height: (N,) m above the ellipsoid.
+        attitude: (N, 4) quaternions, body (forward, right, down) to north-east-down; or (N, 3)
+            roll, pitch, heading in degrees; None for the nose along the way.
+        smoothness: continuous derivatives of place and attitude, 2, 3 or 4.
+
+    Returns:
+        The motion, as `motion` returns it.
+
+    Raises:
+        InputError: shapes do not agree, or no motion goes through the points
+            (`sculler_model.motion.through`).
+
+    Examples:
+        >>> import numpy as np, sculler
+        >>> time = np.arange(5.0)
+        >>> east = sculler.motion_through(time, 0 * time, 0.001 * time, 100 + 0 * time)
+        >>> f"{east.state(np.array([2.5])).v[0, 1]:.3f} m/s"
+        '111.321 m/s'
+    """
+    columns = [np.asarray(values, dtype=np.float64) for values in (time, lat, lon, height)]
+    shapes = {column.shape for column in columns}
+    if len(shapes) > 1 or columns[0].ndim != 1:
+        told = ", ".join(str(column.shape) for column in columns)
+        raise InputError(f"time, lat, lon, height are of shapes {told}, give (N,) each")
+    if not all(np.isfinite(column).all() for column in columns):
+        raise InputError("time, lat, lon, height: there is a NaN or an infinity, give numbers")
+    if (np.diff(columns[0]) <= 0).any():
+        raise InputError("time does not run forwards, put the points in order of time")
+    q = None if attitude is None else _quaternions(attitude, len(columns[0]))
+    points = Points(columns[0], np.radians(columns[1]), np.radians(columns[2]), columns[3], q)
+    return through(points, smoothness)
+
+
+def _quaternions(attitude: Any, many: int) -> NDArray[np.float64]:
+    """(N, 4) of length 1."""
+    given = np.asarray(attitude, dtype=np.float64)
+    if given.shape not in ((many, 3), (many, 4)) or not np.isfinite(given).all():
+        raise InputError(
+            f"attitude is of shape {given.shape}, give numbers: quaternions ({many}, 4), or angles"
+            f" ({many}, 3)"
+        )
+    if given.shape[1] == 3:
+        return np.array([from_euler(*angles) for angles in np.radians(given).tolist()])
+    length = np.linalg.norm(given, axis=1, keepdims=True)
+    if (np.abs(length - 1) > 1e-6).any():
+        raise InputError("attitude: a quaternion is not of length 1, divide it by its length")
+    whole: NDArray[np.float64] = given / length
+    return whole
 
 
 def record(design: Design, motion: Motion, seconds: float) -> Log:

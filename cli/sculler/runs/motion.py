@@ -9,13 +9,20 @@ from math import floor, radians
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from sculler.formats.history import HistoryWriter
 from sculler.formats.log import LogWriter
+from sculler.formats.truth import read_truth
+from sculler.formats.truth_columns import LOCAL
+from sculler.plots.points import points_picture, points_picture_path
 from sculler.words import Advance, silent
+from sculler_model import inputs
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.frames import STANDARD_GRAVITY
-from sculler_model.motion import Motion, Vibration
+from sculler_model.frames import STANDARD_GRAVITY, Vector
+from sculler_model.motion import PLACE, Motion, Points, Vibration, through
+from sculler_model.navigation import NavHistory
 from sculler_model.outputs import replacing
 from sculler_model.samples import Quantiser, end_after_stamp, interval_end, sample_stamp
 
@@ -59,6 +66,78 @@ class Shaking:
 
 
 @dataclass(frozen=True)
+class Given:
+    """The points of a file that a motion goes through.
+
+    Attributes:
+        path: the file.
+        points: of it.
+        smoothness: continuous derivatives of the curve.
+        passed_over: rows of the file with no number.
+        local: the file tells metres from a place.
+    """
+
+    path: str
+    points: Points
+    smoothness: int
+    passed_over: int = 0
+    local: bool = False
+
+    @property
+    def seconds(self) -> float:
+        """From the first point to the last."""
+        return float(self.points.time[-1] - self.points.time[0])
+
+    def motion(self) -> Motion:
+        """The motion through them; raises as `sculler_model.motion.through`, naming the file."""
+        try:
+            return through(self.points, self.smoothness)
+        except InputError as error:
+            raise InputError(f"{self.path}: {error}") from error
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "from": self.path,
+            "points": len(self.points),
+            "points_passed_over": self.passed_over,
+            "first_point_s": float(self.points.time[0]),
+            "smoothness": self.smoothness,
+            "attitude": "along the way" if self.points.q is None else "of the points",
+        }
+
+
+def read_points(
+    path: str, place: Vector | None = None, smoothness: int = 3, spacing: float | None = None
+) -> Given:
+    """The points of a file, in any of the forms that a truth may have.
+
+    Args:
+        path: columns as `sculler.formats.truth` describes them, or `north_m,east_m,up_m`.
+        place: that those metres start from: latitude, longitude (rad), height (m).
+        smoothness: continuous derivatives of the curve, 2 to 4.
+        spacing: s, take points so far apart only; None to take all.
+
+    Raises:
+        InputError: the file cannot be read, has a fault, or tells no places.
+    """
+    passed: list[int] = []
+    names: list[str] = []
+    blocks = list(read_truth(path, None, passed.append, place or PLACE, names.extend))
+    states = NavHistory.concatenate(blocks)
+    if np.isnan(states.lat[0]):
+        raise InputError(
+            f"{path}: no place is there, add lat_deg,lon_deg,height_m or x_m,y_m,z_m or"
+            " north_m,east_m,up_m"
+        )
+    q = None if np.isnan(states.q[0, 0]) else states.q
+    points = Points(states.time, states.lat, states.lon, states.h, q)
+    if spacing is not None:
+        points = points.apart(spacing)
+    return Given(path, points, smoothness, sum(passed), LOCAL[0] in names)
+
+
+@dataclass(frozen=True)
 class Plan:
     """What to write.
 
@@ -70,9 +149,10 @@ class Plan:
         truth_every: seconds between the truth's rows; None for a major interval.
         shaking: vibration on top, or None.
         options: what was said of the motion, to be told again.
+        given: the points that it goes through; None for a motion of the catalogue.
 
     Raises:
-        InputError: no sample is that short.
+        InputError: no sample is that short, or the points end before.
     """
 
     design: Design
@@ -82,8 +162,14 @@ class Plan:
     truth_every: float | None = None
     shaking: Shaking | None = None
     options: Mapping[str, float] = field(default_factory=dict)
+    given: Given | None = None
 
     def __post_init__(self) -> None:
+        if self.given is not None and self.seconds > self.given.seconds + 1e-9:
+            raise InputError(
+                f"--duration: {self.given.path} ends {self.given.seconds:.9g} s after its first"
+                f" point, give at most that"
+            )
         if self.samples < 1:
             raise InputError(f"--duration: {self.seconds:g} s are shorter than a sample, give more")
 
@@ -119,12 +205,14 @@ class Outcome:
         plan: what was asked for.
         output, truth: the files.
         full_scale: the largest count as a share of full scale.
+        pictures: files drawn.
     """
 
     plan: Plan
     output: Path
     truth: Path
     full_scale: float
+    pictures: tuple[Path, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -142,6 +230,10 @@ class Outcome:
             "output": str(self.output),
             "truth": str(self.truth),
         }
+        if plan.given is not None:
+            data |= plan.given.as_json()
+        if self.pictures:
+            data["plots"] = [str(path) for path in self.pictures]
         if (shaking := plan.shaking) is not None:
             data["vibration"] = {
                 "g_rms": shaking.g,
@@ -161,6 +253,14 @@ class Outcome:
             "largest count": f"{100 * data['full_scale']:.3g} % of full scale",
             "truth": f"{data['truth_rows']:,} rows, every {data['truth_every_s']:g} s",
         }
+        if "from" in data:
+            shown["through"] = (
+                f"{data['points']:,} points of {data['from']}, time 0 is its"
+                f" {data['first_point_s']:.9g} s; {data['smoothness']} continuous derivatives,"
+                f" attitude {data['attitude']}"
+            )
+            if data["points_passed_over"]:
+                shown["passed over"] = f"{data['points_passed_over']:,} rows with no number"
         if "vibration" in data:
             found = data["vibration"]
             low, high = found["band_hz"]
@@ -170,15 +270,25 @@ class Outcome:
             )
         if data["filter_left_out"]:
             shown["filter"] = "left out: these are the samples of a sensor that passes everything"
+        if self.pictures:
+            shown["pictures"] = ", ".join(data["plots"])
         return shown | {"wrote": f"{data['output']}, {data['truth']}"}
 
 
-def write_motion(plan: Plan, output: Path, truth: Path, *, advance: Advance = silent) -> Outcome:
+def write_motion(
+    plan: Plan,
+    output: Path,
+    truth: Path,
+    *,
+    pictures: bool = False,
+    advance: Advance = silent,
+) -> Outcome:
     """Write the log that the design's sensor gives of the motion, and the motion's truth.
 
     Args:
         plan: what to write.
         output, truth: the files, each appears whole or not at all.
+        pictures: draw a motion that goes through points beside them.
         advance: told the samples and rows that were written.
 
     Raises:
@@ -188,6 +298,8 @@ def write_motion(plan: Plan, output: Path, truth: Path, *, advance: Advance = si
     if plan.shaking is not None:
         motion = plan.shaking.vibration.on(motion)
     quantise = Quantiser(design)
+    if pictures and plan.given is not None:
+        inputs.claim(points_picture_path(output))
     with replacing(output) as temporary:
         with LogWriter(temporary) as log:
             for chunk in motion.chunks(design.sensor.kind, plan.samples, design.sample_interval):
@@ -197,4 +309,7 @@ def write_motion(plan: Plan, output: Path, truth: Path, *, advance: Advance = si
             for states in motion.states(plan.truth_rows, plan.every, plan.begin):
                 rows.write(states)
                 advance(len(states))
-    return Outcome(plan, output, truth, max(quantise.report().full_scale))
+    drawn: tuple[Path, ...] = ()
+    if pictures and plan.given is not None:
+        drawn = (points_picture(motion, plan.given.points, plan.seconds, output),)
+    return Outcome(plan, output, truth, max(quantise.report().full_scale), drawn)

@@ -16,6 +16,7 @@ from sculler_model.frames.earth import (
     radii,
     transport_rate,
 )
+from sculler_model.frames.places import earth_fixed, from_local, geodetic
 from sculler_model.frames.rotation import (
     AxisMap,
     Quaternion,
@@ -52,11 +53,14 @@ __all__ = [
     "about_z",
     "conjugate",
     "cross",
+    "earth_fixed",
     "earth_rate",
     "euler_angles",
     "from_dcm",
     "from_euler",
+    "from_local",
     "from_rotation_vector",
+    "geodetic",
     "gravity",
     "gravity_lean",
     "normal_gravity",

@@ -2,9 +2,10 @@
 
 `Motion` moves over the rotating WGS-84 Earth: a path and an attitude made of analytic functions,
 from which angular rate and specific force follow without any integration; `catalogue` has
-ready-made ones, `Vibration` shakes any of them.  `Coning`, `Sculling` and `SpinAccel` are the
-classical motions in inertial space.  Body frame: x forward, y right, z down; navigation frame:
-north, east, down.  It imports `algorithms`, `design`, `frames` and `samples`.
+ready-made ones, `through` makes one of given points, `Vibration` shakes any of them.  `Coning`,
+`Sculling` and `SpinAccel` are the classical motions in inertial space.  Body frame: x forward, y
+right, z down; navigation frame: north, east, down.  It imports `algorithms`, `design`, `frames` and
+`samples`.
 """
 
 from sculler_model.motion.catalogue import (
@@ -26,8 +27,11 @@ from sculler_model.motion.curves import Curve, EvenPace, Smooth, Spline
 from sculler_model.motion.earthbound import Motion
 from sculler_model.motion.flight_plan import Leg, flight
 from sculler_model.motion.inertial import Coning, Sculling, SpinAccel
+from sculler_model.motion.points import SMOOTHNESS, Knots, PointCurve, Tumble
 from sculler_model.motion.sampling import legendre_nodes
+from sculler_model.motion.trajectory import Points, through
 from sculler_model.motion.turns import (
+    Rotation,
     Turn,
     X,
     Y,
@@ -42,15 +46,21 @@ from sculler_model.motion.vibration import Vibration
 __all__ = [
     "MOTIONS",
     "PLACE",
+    "SMOOTHNESS",
     "Coning",
     "Curve",
     "EvenPace",
+    "Knots",
     "Leg",
     "Motion",
+    "PointCurve",
+    "Points",
+    "Rotation",
     "Sculling",
     "Smooth",
     "SpinAccel",
     "Spline",
+    "Tumble",
     "Turn",
     "Vibration",
     "X",
@@ -72,5 +82,6 @@ __all__ = [
     "spin_rock_size",
     "steady_attitude",
     "steady_turn",
+    "through",
     "turn_motion",
 ]

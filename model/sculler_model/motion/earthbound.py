@@ -43,7 +43,7 @@ from sculler_model.frames import (
 from sculler_model.motion import sampling
 from sculler_model.motion.curves import ZERO_CURVE, Array, Jet, Smooth
 from sculler_model.motion.sampling import Sampled
-from sculler_model.motion.turns import Turn, attitude_jet
+from sculler_model.motion.turns import Rotation, attitude_jet
 from sculler_model.navigation import NavHistory
 
 _NEAR_POLE = radians(89.9)
@@ -82,7 +82,7 @@ class Motion(Sampled):
     north: Smooth = ZERO_CURVE
     east: Smooth = ZERO_CURVE
     up: Smooth = ZERO_CURVE
-    turns: tuple[Turn, ...] = ()
+    turns: tuple[Rotation, ...] = ()
     arm: tuple[Smooth, ...] = ()
     grid: Quaternion | None = None
     name: str = "motion"
@@ -156,8 +156,8 @@ class Motion(Sampled):
     @property
     def highest(self) -> float:
         """A bound on the frequencies (rad/s) that matter: all of them together, and a harmonic."""
-        spins = sum(turn.angle.steepest for turn in self.turns)
-        waves = sum(turn.angle.highest for turn in self.turns)
+        spins = sum(turn.steepest for turn in self.turns)
+        waves = sum(turn.highest for turn in self.turns)
         curves = (self.north, self.east, self.up, *self.arm)
         return 2.0 * (spins + waves + max(curve.highest for curve in curves))
 
@@ -165,7 +165,7 @@ class Motion(Sampled):
     def rough(self) -> float:
         """The same of the curves that have knots; 0 if none has."""
         curves = (self.north, self.east, self.up, *self.arm)
-        turning = sum(turn.angle.rough for turn in self.turns)
+        turning = sum(turn.rough for turn in self.turns)
         return 2.0 * (turning + max(curve.rough for curve in curves))
 
     def _geodetic(self, path: _Path) -> tuple[Array, Array, Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -22,6 +23,48 @@ class Turn:
 
     axis: Vector
     angle: Smooth
+
+    def jet(self, t: Array) -> tuple[Quaternions, Vectors, Vectors]:
+        """Quaternion, rate (rad/s) in the turned axes, and the rate's derivative (rad/s²)."""
+        angle, speed, gain = self.angle.jet(t)
+        sine = np.sin(0.5 * angle)
+        x, y, z = self.axis
+        q: Quaternions = (np.cos(0.5 * angle), x * sine, y * sine, z * sine)
+        return q, (x * speed, y * speed, z * speed), (x * gain, y * gain, z * gain)
+
+    @property
+    def highest(self) -> float:
+        """The highest frequency in it that matters, rad/s."""
+        return self.angle.highest
+
+    @property
+    def steepest(self) -> float:
+        """A bound on the rate of turning, rad/s."""
+        return self.angle.steepest
+
+    @property
+    def rough(self) -> float:
+        """Its highest frequency (rad/s) if it has knots; 0 if it is analytic."""
+        return self.angle.rough
+
+
+class Rotation(Protocol):
+    """A rotation that is a smooth function of time, such as a `Turn`."""
+
+    def jet(self, t: Array) -> tuple[Quaternions, Vectors, Vectors]:
+        """Quaternion, rate (rad/s) in the turned axes, and the rate's derivative (rad/s²)."""
+
+    @property
+    def highest(self) -> float:
+        """The highest frequency in it that matters, rad/s."""
+
+    @property
+    def steepest(self) -> float:
+        """A bound on the rate of turning, rad/s."""
+
+    @property
+    def rough(self) -> float:
+        """Its highest frequency (rad/s) if it has knots; 0 if it is analytic."""
 
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -44,7 +87,7 @@ def euler_turns(roll: Smooth, pitch: Smooth, heading: Smooth) -> tuple[Turn, Tur
     return Turn(Z, heading), Turn(Y, pitch), Turn(X, roll)
 
 
-def attitude(turns: Sequence[Turn], t: Array) -> tuple[Quaternions, Vectors]:
+def attitude(turns: Sequence[Rotation], t: Array) -> tuple[Quaternions, Vectors]:
     """Product of the turns, first one outermost, and its angular rate.
 
     Args:
@@ -59,28 +102,24 @@ def attitude(turns: Sequence[Turn], t: Array) -> tuple[Quaternions, Vectors]:
     return q, rate
 
 
-def attitude_jet(turns: Sequence[Turn], t: Array) -> tuple[Quaternions, Vectors, Vectors]:
+def attitude_jet(turns: Sequence[Rotation], t: Array) -> tuple[Quaternions, Vectors, Vectors]:
     """As `attitude`, and the derivative of the rate (rad/s²), component by component."""
     one, zero = np.ones_like(t), np.zeros_like(t)
     q: Quaternions = (one, zero, zero, zero)
     rate: Vectors = (zero, zero, zero)
     change: Vectors = (zero, zero, zero)
     for turn in turns:
-        angle, speed, gain = turn.angle.jet(t)
-        sine = np.sin(0.5 * angle)
-        x, y, z = turn.axis
-        step: Quaternions = (np.cos(0.5 * angle), x * sine, y * sine, z * sine)
+        step, own, gain = turn.jet(t)
         back = conjugate(step)
         q = product(q, step)
         old_x, old_y, old_z = rotate(back, rate)
-        own = (x * speed, y * speed, z * speed)
         # in the new axes, which turn by `own`, what stood before turns the other way
         swing_x, swing_y, swing_z = cross((old_x, old_y, old_z), own)
         was_x, was_y, was_z = rotate(back, change)
         change = (
-            was_x + swing_x + x * gain,
-            was_y + swing_y + y * gain,
-            was_z + swing_z + z * gain,
+            was_x + swing_x + gain[0],
+            was_y + swing_y + gain[1],
+            was_z + swing_z + gain[2],
         )
         rate = (old_x + own[0], old_y + own[1], old_z + own[2])
     return q, rate, change
