@@ -18,11 +18,17 @@ from studies.accuracy.coning import coning_left, coning_whole, drift_curve, fine
 
 def draw(folder: Path) -> list[Path]:
     """All pictures."""
-    paths = [folder / f"accuracy-{name}.png" for name in ("savage", "zeng", "yang", "recursion")]
-    for path, picture in zip(
-        paths, (savage_picture, zeng_picture, yang_picture, recursion_picture), strict=True
-    ):
-        picture(path)
+    pictures = {
+        "savage": savage_picture,
+        "zeng-1": filter_picture,
+        "zeng": zeng_picture,
+        "yang": yang_picture,
+        "recursion": recursion_picture,
+    }
+    paths = []
+    for name, picture in pictures.items():
+        paths.append(folder / f"accuracy-{name}.png")
+        picture(paths[-1])
     return paths
 
 
@@ -36,6 +42,13 @@ def savage_picture(path: Path) -> None:
         "5 samples, 1 kHz": fine_design("frequency-taylor", 5, 0, 1, 1000.0),
     }
     plots.vibration_picture(path, spectrum, respond(spectrum, both), designs)
+
+
+def filter_picture(path: Path) -> None:
+    """Zeng's figure 1: coning, and what the filter of Eq. 2 lets through of it (Eq. 17)."""
+    ratio = np.linspace(0, 0.5, 201)
+    lines = {"coning, ½ a² Ω": ratio, "behind the filter": ratio * np.sinc(ratio) ** 2}
+    plots.effect_picture(path, "Zeng's figure 1: what a filter of sinc(ΩT/2) does", ratio, lines)
 
 
 def zeng_picture(path: Path) -> None:

@@ -51,9 +51,11 @@ def recursion() -> Section:
         "½(α + Δα_prev/6) × Δα, sample by sample (Savage-98 Eq. 61's twin): n = 1, p = 1 here."
         " Classical coning of 0.1° at 50 Hz; 10 ms major intervals; the coning itself is 98.7 °/h."
         " Flight stacks do it in single precision, and no sculling at all.",
-        picture=(
-            "accuracy-recursion.png",
-            "Drift of the recursion and of four samples over the coning frequency",
+        pictures=(
+            (
+                "accuracy-recursion.png",
+                "Drift of the recursion and of four samples over the coning frequency",
+            ),
         ),
     )
     a, hertz = radians(0.1), 50.0

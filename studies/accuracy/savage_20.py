@@ -29,10 +29,12 @@ def savage_20() -> Section:
         " extreme one of 2 s, an update a minor interval. Each row is one and the same table: what"
         " it leaves of tone and band; and of the manoeuvre, error source 2 (in brackets, with"
         " source 1 and through the integers).",
-        picture=(
-            "accuracy-savage.png",
-            "Vibration behind the mount, both rotary modes unbalanced, and what is left of what it"
-            " rectifies to",
+        pictures=(
+            (
+                "accuracy-savage.png",
+                "Vibration behind the mount, both rotary modes unbalanced, and what is left of what"
+                " it rectifies to",
+            ),
         ),
     )
     found = {name: _left(*table) for name, table in _tables().items()}

@@ -17,7 +17,7 @@ class Section:
         before: what is compared.
         rows: what, the paper's figure, ours, and what gives ours.
         after: what agrees and what does not, by paragraphs.
-        picture: name and caption of a picture, or None.
+        pictures: name and caption of each.
         reference: what the second column holds.
     """
 
@@ -25,7 +25,7 @@ class Section:
     before: str
     rows: list[tuple[str, str, str, str]] = field(default_factory=list)
     after: tuple[str, ...] = ()
-    picture: tuple[str, str] | None = None
+    pictures: tuple[tuple[str, str], ...] = ()
     reference: str = "paper"
 
     def add(self, what: str, paper: str, ours: str, how: str) -> None:
@@ -37,8 +37,7 @@ class Section:
         yield from ("", f"## {self.title}", documents.paragraph(self.before), "")
         headings = ("quantity", self.reference, "ours", "given by")
         yield from documents.table("lrrl", headings, self.rows)
-        if self.picture is not None:
-            name, caption = self.picture
+        for name, caption in self.pictures:
             yield from ("", f"![{caption}]({documents.IMAGES}/{name})")
         for paragraph in self.after:
             yield from ("", documents.paragraph(paragraph))

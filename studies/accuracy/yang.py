@@ -21,9 +21,11 @@ def yang() -> Section:
         "Eq. 11-12 match n + p - 1 powers of λ = Ω·T, λ³ to λ^(2(n+p)-1). The first that is left"
         " is the next odd one, λ^(2(n+p)+1) a minor interval; the drift's share falls as"
         " λ^(2(n+p)).",
-        picture=(
-            "accuracy-yang.png",
-            "Drift over n + p: closed form and attitude, at three half angles",
+        pictures=(
+            (
+                "accuracy-yang.png",
+                "Drift over n + p: closed form and attitude, at three half angles",
+            ),
         ),
     )
     for n, p in ((2, 0), (1, 1), (3, 0), (2, 1), (4, 0), (3, 1), (2, 2), (5, 0)):

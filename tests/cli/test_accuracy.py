@@ -7,9 +7,11 @@ from decimal import Decimal
 from math import pi, radians
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from studies import accuracy, documents
+from studies.accuracy.zeng import improved_drift, runge_kutta_law
 
 PAGES = Path(__file__).parents[2] / documents.PAGES
 NUMBER = re.compile("[−-]?\\d+(?:\\.\\d+)?(?:e-?\\d+)?")
@@ -52,7 +54,7 @@ def test_what_counts_as_one_digit() -> None:
 
 def test_its_pictures_are_there(text: str) -> None:
     names = re.findall(r"\]\((.*?accuracy-.*?)\)", text)
-    assert len(names) == 4
+    assert len(names) == 5
     for name in names:
         assert (PAGES / name).read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
@@ -63,6 +65,22 @@ def test_runge_kutta_by_simulation_is_its_law() -> None:
     eq_28 = radians(1) ** 2 * (2 * omega * T) ** 5 / 1440 / (2 * T) * 206264.806
     assert accuracy.runge_kutta_drift(20.0, False) == pytest.approx(1.5 * eq_28, rel=0.02)
     assert accuracy.runge_kutta_drift(20.0, True) == pytest.approx(-5.16, rel=2e-3)
+
+
+@pytest.mark.parametrize("hertz", [10.0, 50.0, 100.0, 125.0])
+def test_the_line_of_runge_kutta_goes_through_its_marks(hertz: float) -> None:
+    """What the two differ by is of fourth order in the half angle."""
+    line = float(runge_kutta_law(np.array([hertz]))[0])
+    assert accuracy.runge_kutta_drift(hertz, True) == pytest.approx(line, rel=2e-3)
+
+
+def test_the_improved_two_samples_know_nothing_of_the_filter() -> None:
+    """Simpson's rule is all that they leave on unfiltered samples: a²(Ωh)⁵/2880 a step."""
+    omega, T = 2 * pi * 20, 1e-3
+    half = radians(1) ** 2 * (2 * omega * T) ** 5 / 2880 / (2 * T) * 206264.806
+    assert improved_drift(False) == pytest.approx(half, rel=0.02)
+    attenuation = 0.5 * radians(1) ** 2 * omega * (omega * T) ** 2 / 12 * 206264.806
+    assert improved_drift(True) == pytest.approx(-attenuation, rel=0.01)
 
 
 @pytest.mark.parametrize(

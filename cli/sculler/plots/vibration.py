@@ -185,6 +185,31 @@ def drift_picture(
         axes.legend(loc="upper left")
 
 
+def effect_picture(path: Path, title: str, ratio: Array, lines: Mapping[str, Array]) -> None:
+    """The coning effect over frequency up to Nyquist, relative to that of an ideal sensor there.
+
+    Args:
+        path: the picture.
+        title: what is shown.
+        ratio: (N,) frequency times sample interval, 0 to ½.
+        lines: (N,) by name, in the unit of `ratio`.
+    """
+    with new_figure(path, 9, 4.6) as figure:
+        axes = figure.subplots()
+        for (name, line), colour, style in zip(
+            lines.items(), COLOURS, ("-", (0, (2, 1.5))), strict=False
+        ):
+            axes.plot(ratio, line / ratio[-1], ls=style, color=colour, label=name)
+        axes.set(
+            title=title,
+            xlabel="frequency × sample interval (½: Nyquist)",
+            ylabel="coning effect, ideal at Nyquist = 1",
+            xlim=(0, 0.5),
+            ylim=(0, 1),
+        )
+        axes.legend(loc="upper left")
+
+
 def order_picture(
     path: Path,
     title: str,
