@@ -42,9 +42,10 @@ def design_keys(part: str) -> str:
         front,
         hardware,
         sensor,
+        sensor_errors,
     )
 
-    rooms = (design, sensor, algorithm, hardware, band, filters, front, custom_frame)
+    rooms = (design, sensor, sensor_errors, algorithm, hardware, band, filters, front, custom_frame)
     model = next(getattr(room, part) for room in rooms if hasattr(room, part))
     rows = []
     for key, field in model.model_fields.items():

@@ -13,8 +13,8 @@ from sculler.library.logs import Log
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import from_euler
-from sculler_model.motion import MOTIONS, PLACE, Motion, Points, through
-from sculler_model.samples import Quantiser, sample_stamp
+from sculler_model.motion import MOTIONS, PLACE, Motion, Points, as_felt, through
+from sculler_model.samples import Imperfect, Quantiser, sample_stamp
 
 
 def motion(
@@ -127,7 +127,7 @@ def _quaternions(attitude: Any, many: int) -> NDArray[np.float64]:
     return whole
 
 
-def record(design: Design, motion: Motion, seconds: float) -> Log:
+def record(design: Design, motion: Motion, seconds: float, *, seed: int = 1) -> Log:
     """What the design's sensor would deliver of a motion: exact samples, rounded to counts.
 
     Rounding is carried on from sample to sample, so that sums keep to half a count
@@ -137,6 +137,7 @@ def record(design: Design, motion: Motion, seconds: float) -> Log:
         design: gives kind, rate, widths and scales.
         motion: from time 0 on.
         seconds: how long.
+        seed: of the random numbers, where the design has [sensor.errors].
 
     Returns:
         N = seconds times the rate samples, with stamps on a clock that began with the log (s).
@@ -154,9 +155,10 @@ def record(design: Design, motion: Motion, seconds: float) -> Log:
     samples = int(seconds * design.sensor.sample_rate_hz + 1e-9)
     if samples < 1:
         raise InputError(f"seconds: {seconds:g} holds no sample, give more")
-    quantise = Quantiser(design)
-    chunks = motion.chunks(design.sensor.kind, samples, design.sample_interval)
-    counts = np.concatenate([quantise(chunk) for chunk in chunks])
+    quantise, imperfect = Quantiser(design), Imperfect(design, seed)
+    felt = as_felt(motion, design)
+    chunks = felt.chunks(design.sensor.kind, samples, design.sample_interval)
+    counts = np.concatenate([quantise(imperfect(chunk)) for chunk in chunks])
     first = sample_stamp(design, 0)
     times = first + np.arange(samples) / design.sensor.sample_rate_hz
     return Log(counts, times=times)

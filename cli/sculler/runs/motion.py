@@ -21,10 +21,10 @@ from sculler_model import inputs
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import STANDARD_GRAVITY, Vector
-from sculler_model.motion import PLACE, Motion, Points, Vibration, through
+from sculler_model.motion import PLACE, Motion, Points, Vibration, as_felt, through
 from sculler_model.navigation import NavHistory
 from sculler_model.outputs import replacing
-from sculler_model.samples import Quantiser, end_after_stamp, interval_end, sample_stamp
+from sculler_model.samples import Imperfect, Quantiser, end_after_stamp, interval_end, sample_stamp
 
 
 @dataclass(frozen=True)
@@ -150,6 +150,7 @@ class Plan:
         shaking: vibration on top, or None.
         options: what was said of the motion, to be told again.
         given: the points that it goes through; None for a motion of the catalogue.
+        seed: of the random numbers in [sensor.errors].
 
     Raises:
         InputError: no sample is that short, or the points end before.
@@ -163,6 +164,7 @@ class Plan:
     shaking: Shaking | None = None
     options: Mapping[str, float] = field(default_factory=dict)
     given: Given | None = None
+    seed: int = 1
 
     def __post_init__(self) -> None:
         if self.given is not None and self.seconds > self.given.seconds + 1e-9:
@@ -206,6 +208,7 @@ class Outcome:
         output, truth: the files.
         full_scale: the largest count as a share of full scale.
         pictures: files drawn.
+        beyond_range: samples in which an axis stayed at the end of the sensor's range.
     """
 
     plan: Plan
@@ -213,6 +216,7 @@ class Outcome:
     truth: Path
     full_scale: float
     pictures: tuple[Path, ...] = ()
+    beyond_range: int = 0
 
     def as_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -232,6 +236,9 @@ class Outcome:
         }
         if plan.given is not None:
             data |= plan.given.as_json()
+        if (errors := design.sensor.errors) is not None:
+            data["errors"] = errors.model_dump(mode="json", exclude_none=True)
+            data |= {"error_seed": plan.seed, "samples_beyond_range": self.beyond_range}
         if self.pictures:
             data["plots"] = [str(path) for path in self.pictures]
         if (shaking := plan.shaking) is not None:
@@ -268,6 +275,10 @@ class Outcome:
                 f"{found['g_rms']:g} g and {found['rate_deg_per_s_rms']:g} °/s rms an axis,"
                 f" {low:g} to {high:g} Hz, {found['lines']} lines, seed {found['seed']}"
             )
+        if "errors" in data:
+            shown["sensor errors"] = f"of [sensor.errors], seed {data['error_seed']}"
+        if data.get("samples_beyond_range"):
+            shown["beyond range"] = f"{data['samples_beyond_range']:,} samples stayed at its end"
         if data["filter_left_out"]:
             shown["filter"] = "left out: these are the samples of a sensor that passes everything"
         if self.pictures:
@@ -297,13 +308,14 @@ def write_motion(
     design, motion = plan.design, plan.motion
     if plan.shaking is not None:
         motion = plan.shaking.vibration.on(motion)
-    quantise = Quantiser(design)
+    quantise, imperfect = Quantiser(design), Imperfect(design, plan.seed)
     if pictures and plan.given is not None:
         inputs.claim(points_picture_path(output))
     with replacing(output) as temporary:
         with LogWriter(temporary) as log:
-            for chunk in motion.chunks(design.sensor.kind, plan.samples, design.sample_interval):
-                log.write(quantise(chunk))
+            felt = as_felt(motion, design)
+            for chunk in felt.chunks(design.sensor.kind, plan.samples, design.sample_interval):
+                log.write(quantise(imperfect(chunk)))
                 advance(len(chunk))
         with replacing(truth) as temporary_truth, HistoryWriter(temporary_truth) as rows:
             for states in motion.states(plan.truth_rows, plan.every, plan.begin):
@@ -312,4 +324,5 @@ def write_motion(
     drawn: tuple[Path, ...] = ()
     if pictures and plan.given is not None:
         drawn = (points_picture(motion, plan.given.points, plan.seconds, output),)
-    return Outcome(plan, output, truth, max(quantise.report().full_scale), drawn)
+    full_scale = max(quantise.report().full_scale)
+    return Outcome(plan, output, truth, full_scale, drawn, imperfect.beyond_range)

@@ -27,6 +27,7 @@ from sculler_model.design.result import (
     columns_of,
 )
 from sculler_model.design.scales import scales_hash
+from sculler_model.design.sensor_errors import AxisErrors, Drawn, SensorErrors
 from sculler_model.design.word_lengths import (
     MAX_BITS,
     ZERO_RANGE,
@@ -53,11 +54,14 @@ __all__ = [
     "STATUS_SHORT_HISTORY",
     "VECTORS",
     "ZERO_RANGE",
+    "AxisErrors",
     "Bus",
     "Design",
+    "Drawn",
     "Hardware",
     "Interval",
     "Result",
+    "SensorErrors",
     "WordLengths",
     "at_another_rate",
     "columns_of",

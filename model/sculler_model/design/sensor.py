@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from sculler_model.design.filters import Filter
+from sculler_model.design.sensor_errors import SensorErrors
 from sculler_model.schema import Part
 
 
@@ -34,6 +35,7 @@ class Sensor(Part):
         gyro, accel: their words.
         filter: what the samples of both have passed, stage after stage; None where nothing is
             stated: then increments have passed nothing, and rates a mean over the sample interval.
+        errors: what it does wrong in `sculler motion`; None for a perfect sensor.
     """
 
     kind: Annotated[Literal["increment", "rate"], Field(description='"increment" or "rate"')]
@@ -43,3 +45,4 @@ class Sensor(Part):
     gyro: Annotated[Axes, Field(description="a table with bits and lsb")]
     accel: Annotated[Axes, Field(description="a table with bits and lsb")]
     filter: Filter = None
+    errors: Annotated[SensorErrors | None, Field(description="a table")] = None

@@ -27,6 +27,7 @@ from sculler_model.motion.curves import Curve, EvenPace, Smooth, Spline
 from sculler_model.motion.earthbound import Motion
 from sculler_model.motion.flight_plan import Leg, flight
 from sculler_model.motion.inertial import Coning, Sculling, SpinAccel
+from sculler_model.motion.placed import Placed, as_felt
 from sculler_model.motion.points import SMOOTHNESS, Knots, PointCurve, Tumble
 from sculler_model.motion.sampling import legendre_nodes
 from sculler_model.motion.trajectory import Points, through
@@ -53,6 +54,7 @@ __all__ = [
     "Knots",
     "Leg",
     "Motion",
+    "Placed",
     "PointCurve",
     "Points",
     "Rotation",
@@ -66,6 +68,7 @@ __all__ = [
     "X",
     "Y",
     "Z",
+    "as_felt",
     "at_rest",
     "attitude",
     "coning",

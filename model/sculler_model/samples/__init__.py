@@ -1,10 +1,12 @@
 """Samples of sensors: when they are, how they become counts, and which counts no sensor gives.
 
-`Quantiser` makes counts of increments, `Resampler` even steps of uneven ones, `Plausibility` sees
-stuck counts, rails and spikes; the functions of instants are the one definition of when a sample
-and an interval are.  It imports `algorithms` and `design`.
+`Quantiser` makes counts of increments, `Resampler` even steps of uneven ones, `Imperfect` adds the
+errors of a real sensor, `Plausibility` sees stuck counts, rails and spikes; the functions of
+instants are the one definition of when a sample and an interval are.  It imports `algorithms`,
+`design` and `frames`.
 """
 
+from sculler_model.samples.imperfect import Imperfect
 from sculler_model.samples.instants import (
     end_after_stamp,
     interval_end,
@@ -19,6 +21,7 @@ __all__ = [
     "Finding",
     "FindingKind",
     "Gridded",
+    "Imperfect",
     "Kind",
     "Plausibility",
     "Quantiser",

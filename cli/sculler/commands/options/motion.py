@@ -113,7 +113,7 @@ vibration_options = group(
         type=click.IntRange(0),
         default=1,
         show_default=True,
-        help="Of the vibration's random numbers.",
+        help="Of the random numbers of the vibration and of [sensor.errors].",
     ),
 )
 """Random vibration on top; see `shaking`."""
@@ -158,6 +158,7 @@ def plan(design: Design, name: str, options: Options) -> Plan:
         options["truth_every"],
         shaken,
         {key: options[key] for key in OPTIONS if options[key] is not None},
+        seed=options["seed"],
     )
 
 

@@ -96,7 +96,9 @@ def _through(design: Design, options: Mapping[str, Any]) -> Plan:
         raise ContradictionError(f"{flag}: {given.path} tells places itself, leave it out")
     seconds = given.seconds if options["duration"] is None else options["duration"]
     shaken, every = motion.shaking(options), options["truth_every"]
-    return Plan(design, "points", given.motion(), seconds, every, shaken, said, given)
+    return Plan(
+        design, "points", given.motion(), seconds, every, shaken, said, given, options["seed"]
+    )
 
 
 _OWN = {"from_file": "--from", "smoothness": "--smoothness", "spacing": "--spacing"}
