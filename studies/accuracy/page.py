@@ -10,6 +10,7 @@ import click
 from sculler import terminal
 from studies import documents
 from studies.accuracy.pictures import draw
+from studies.accuracy.position import position
 from studies.accuracy.recursion import recursion
 from studies.accuracy.savage_20 import savage_20
 from studies.accuracy.savage_98 import in_time, savage_98
@@ -21,6 +22,7 @@ SECTIONS: tuple[Callable[[], Section], ...] = (
     savage_20,
     savage_98,
     in_time,
+    position,
     zeng,
     yang,
     recursion,

@@ -92,7 +92,22 @@ def test_a_vibration_too_large_for_the_sensor_is_said(run: Run, design: Path) ->
     assert (fine["sensor"], fine["does_not_fit_sensor_hz"]) == ("fine", [])
 
 
+def test_position_json_and_table(run: Run) -> None:
+    words = ("analyze", "position", *FAMILY, "--minors", 10, "--over", 1)
+    data = json.loads(run(*words, "--json").out)
+    assert data["study"] == "position"
+    assert len(data["designs"]) == 2
+    for found in data["designs"].values():
+        assert found["choice"] == "high-resolution"
+        assert found["left"]["core"]["largest"] < 0.01 < found["left"]["trapezoid"]["largest"]
+    calm = ("--no-vibration", "--peak-rate", 0.1, "--force-ramp", 0.001, "--peak-force", 0.1)
+    assert "Hz: trapezoid" in run(*words, *calm).out
+
+
 REFUSALS = {
+    ("position", "stim300", "--no-vibration", "--rocking", "1"): "give --vibration too",
+    ("position", "stim300", "--vibration", "1", "1000"): "Nyquist limit of stim300_4x5, 1000 Hz",
+    ("position", "stim300", "--over", "1000"): "more than 1,000,000 samples",
     ("coning",): "nothing to analyze",
     ("coning", "nowhere.toml"): "no such design file",
     ("coning", "--family", "frequency-taylor"): "--family needs --samples",

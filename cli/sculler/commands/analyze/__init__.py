@@ -7,7 +7,7 @@ import click
 from sculler import terminal
 from sculler.verbs import VerbGroup
 
-VERBS = ("coning", "sculling", "manoeuvre", "vibration", "quantisation", "third-order")
+VERBS = ("coning", "sculling", "manoeuvre", "vibration", "quantisation", "third-order", "position")
 
 
 @click.group(

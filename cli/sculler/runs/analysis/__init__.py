@@ -2,6 +2,7 @@
 
 from sculler.runs.analysis.frequency import FrequencyPlan, Kind, coning, frequency_study, sculling
 from sculler.runs.analysis.manoeuvre import ManoeuvrePlan, manoeuvre_study
+from sculler.runs.analysis.position import PositionPlan, position_study
 from sculler.runs.analysis.quantisation import QuantisationPlan, quantisation_study
 from sculler.runs.analysis.subject import Subject, of_family, require_band
 from sculler.runs.analysis.third_order import ThirdOrderPlan, third_order_study
@@ -11,6 +12,7 @@ __all__ = [
     "FrequencyPlan",
     "Kind",
     "ManoeuvrePlan",
+    "PositionPlan",
     "QuantisationPlan",
     "Subject",
     "ThirdOrderPlan",
@@ -20,6 +22,7 @@ __all__ = [
     "frequency_study",
     "manoeuvre_study",
     "of_family",
+    "position_study",
     "quantisation_study",
     "require_band",
     "sculling",
