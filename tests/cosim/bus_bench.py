@@ -18,7 +18,7 @@ async def begin(dut: Any) -> tuple[Any, Watch]:
     kind = HOSTS[JOB["kind"]]
     clock, reset, watch = await start(dut, kind.INPUTS)
     host = kind(dut, clock, reset, JOB["seed"])
-    while reset.value == 1:
+    while reset.active:
         await ClockCycles(clock, 1)
     await ClockCycles(clock, 3)
     return host, watch

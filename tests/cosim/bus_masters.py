@@ -33,7 +33,9 @@ class AxiLiteHost:
     def __init__(self, dut: Any, clock: Any, reset: Any, seed: int) -> None:
         from cocotbext.axi import AxiLiteBus, AxiLiteMaster
 
-        self.master = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axi"), clock, reset)
+        self.master = AxiLiteMaster(
+            AxiLiteBus.from_prefix(dut, "s_axi"), clock, reset.signal, not reset.low
+        )
         write, read = self.master.write_if, self.master.read_if
         channels = (
             write.aw_channel,

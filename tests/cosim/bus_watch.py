@@ -17,7 +17,25 @@ from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge, Timer
 
 JOB: dict[str, Any] = json.loads(Path(os.environ["SCULLER_BENCH"]).read_text())
 AT: dict[str, int] = JOB["addresses"]
+RELEASE = 2 * JOB["at_once"]
+"""Clocks after an asynchronous reset's end in which it goes on."""
 COUNTS = [f"sample_{sensor}_{axis}" for sensor in ("gyro", "accel") for axis in "xyz"]
+
+
+class Reset:
+    """A reset, whatever its level: `active` is set and looked at; None leaves it at none."""
+
+    def __init__(self, dut: Any, name: str) -> None:
+        self.low = JOB["low"]
+        self.signal = getattr(dut, f"{name}_n" if self.low else name)
+
+    @property
+    def active(self) -> bool:
+        return int(self.signal.value) != self.low
+
+    @active.setter
+    def active(self, value: bool) -> None:
+        self.signal.value = int(value != self.low)
 
 
 class Watch:
@@ -36,17 +54,23 @@ class Watch:
         return [*counts, int(self.dut.core_sample_fault.value)]
 
     async def run(self) -> None:
-        now, pulse = 0, [0, 0, 0]
+        now, pulse = -RELEASE, [0, 0, 0]
+        reset = Reset(self.dut, "rst")
         while True:
             await RisingEdge(self.dut.clk)
-            if self.dut.rst.value == 1:
-                now, pulse = 0, [0, 0, 0]
+            if reset.active:
+                now, pulse = -RELEASE, [0, 0, 0]
                 continue
-            if self.dut.core_sample_valid.value & self.dut.core_sample_ready.value:
+            if now < 0:
+                now += 1
+                continue
+            enabled = not JOB["enable"] or self.dut.clk_en.value == 1
+            offered, ready = self.dut.core_sample_valid.value, self.dut.core_sample_ready.value
+            if enabled and offered == 1 and ready == 1:
                 self.taken.append(now)
                 self.samples.append(self.sample())
             valid, ready = self.dut.core_result_valid.value, self.dut.core_result_ready.value
-            if valid == 1 and ready == 1 and self.dut.core_result_last.value == 1:
+            if enabled and valid == 1 and ready == 1 and self.dut.core_result_last.value == 1:
                 self.results.append(now)
             pulse = [int(self.dut.pulse.value), *pulse[:2]] if JOB["time_stamps"] else pulse
             if pulse[1:] == [1, 0]:
@@ -54,7 +78,7 @@ class Watch:
             now += 1
 
 
-async def start(dut: Any, inputs: tuple[str, ...]) -> tuple[Any, Any, Watch]:
+async def start(dut: Any, inputs: tuple[str, ...]) -> tuple[Any, Reset, Watch]:
     """Clocks and reset, with these inputs at 0 as the others are; the bus's clock and reset.
 
     Reset ends after ten clocks more; the master is to be made at once.
@@ -63,8 +87,12 @@ async def start(dut: Any, inputs: tuple[str, ...]) -> tuple[Any, Any, Watch]:
     separate = JOB["clock"] == "separate"
     if separate:
         cocotb.start_soon(Clock(dut.bus_clk, JOB["bus_period_ps"], "ps").start())
-    clock, reset = (dut.bus_clk, dut.bus_rst) if separate else (dut.clk, dut.rst)
-    reset.value = dut.rst.value = 1
+    clock = dut.bus_clk if separate else dut.clk
+    reset, core_reset = Reset(dut, "bus_rst" if separate else "rst"), Reset(dut, "rst")
+    reset.active = core_reset.active = True
+    if JOB["enable"]:
+        dut.clk_en.value = 0
+        cocotb.start_soon(enables(dut))
     own = [name for name in ("sample_valid", *COUNTS, "sample_fault") if hasattr(dut, name)]
     pulse = ["pulse"] if JOB["time_stamps"] else []
     for name in (*own, *pulse, *inputs):
@@ -72,18 +100,26 @@ async def start(dut: Any, inputs: tuple[str, ...]) -> tuple[Any, Any, Watch]:
     await ClockCycles(clock, 1)
     watch = Watch(dut)
     cocotb.start_soon(watch.run())
-    cocotb.start_soon(end_reset(dut, clock, reset))
+    cocotb.start_soon(end_reset(dut, clock, reset, core_reset))
     return clock, reset, watch
 
 
-async def end_reset(dut: Any, clock: Any, reset: Any) -> None:
+async def enables(dut: Any) -> None:
+    """A clock enable that is high in some clocks."""
+    dice = random.Random(JOB["seed"] + 5)
+    while True:
+        await RisingEdge(dut.clk)
+        dut.clk_en.value = int(dice.random() < 0.6)
+
+
+async def end_reset(dut: Any, clock: Any, reset: Reset, core_reset: Reset) -> None:
     """Both resets end, each at its own clock."""
     await ClockCycles(dut.clk, 10)
     await ClockCycles(clock, 10)
     await FallingEdge(dut.clk)
-    dut.rst.value = 0
+    core_reset.active = False
     await FallingEdge(clock)
-    reset.value = 0
+    reset.active = False
 
 
 async def feed(dut: Any, samples: list[list[int]]) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import cocotb
 from bus_masters import stalls
-from bus_watch import JOB, check_times, feed, pulses, start
+from bus_watch import JOB, Reset, check_times, feed, pulses, start
 from cocotb.triggers import ClockCycles, RisingEdge, with_timeout
 from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 
@@ -26,8 +26,10 @@ def columns_of(words: list[int]) -> dict[str, int]:
 class AxiSink:
     """cocotbext-axi."""
 
-    def __init__(self, dut: Any, clock: Any, reset: Any) -> None:
-        self.sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis"), clock, reset)
+    def __init__(self, dut: Any, clock: Any, reset: Reset) -> None:
+        self.sink = AxiStreamSink(
+            AxiStreamBus.from_prefix(dut, "m_axis"), clock, reset.signal, not reset.low
+        )
         self.sink.set_pause_generator(stalls(JOB["seed"]))
 
     async def packet(self) -> tuple[list[int], set[int]]:
@@ -42,7 +44,7 @@ class AxiSink:
 class PlainSink:
     """Valid and ready with random stalls; what is shown must stay until it is taken."""
 
-    def __init__(self, dut: Any, clock: Any, reset: Any) -> None:
+    def __init__(self, dut: Any, clock: Any, reset: Reset) -> None:
         self.dut, self.clock = dut, clock
         self.dice = random.Random(JOB["seed"])
 
@@ -71,9 +73,11 @@ class PlainSink:
                     return words, beside
 
 
-async def give(dut: Any, clock: Any, reset: Any, wrong_ones: list[int]) -> None:
+async def give(dut: Any, clock: Any, reset: Reset, wrong_ones: list[int]) -> None:
     """Samples as packets, among them some that are none, which are noted."""
-    source = AxiStreamSource(AxiStreamBus.from_prefix(dut, "s_axis"), clock, reset)
+    source = AxiStreamSource(
+        AxiStreamBus.from_prefix(dut, "s_axis"), clock, reset.signal, not reset.low
+    )
     source.set_pause_generator(stalls(JOB["seed"] + 9))
     dice = random.Random(JOB["seed"])
     for sample in JOB["samples"]:
@@ -96,7 +100,7 @@ async def packets(dut: Any) -> None:
     sink: AxiSink | PlainSink = (AxiSink if axi else PlainSink)(dut, clock, reset)
     wrong_ones: list[int] = []
     given = give(dut, clock, reset, wrong_ones) if from_packets else None
-    while reset.value == 1:
+    while reset.active:
         await ClockCycles(clock, 1)
     await ClockCycles(clock, 3)
     cocotb.start_soon(given or feed(dut, JOB["samples"]))

@@ -33,13 +33,25 @@ async def watch(dut: Any, samples: list[list[int]]) -> None:
 async def begin(dut: Any) -> list[list[int]]:
     """Clock and reset."""
     cocotb.start_soon(Clock(dut.clk, JOB["period_ps"], "ps").start())
-    dut.rst.value = 1
+    reset = dut.rst_n if JOB["low"] else dut.rst
+    reset.value = not JOB["low"]
     dut.sample_ready.value = 1
+    if JOB["enable"]:
+        cocotb.start_soon(enables(dut))
     await ClockCycles(dut.clk, 3)
-    dut.rst.value = 0
+    reset.value = JOB["low"]
     samples: list[list[int]] = []
     cocotb.start_soon(watch(dut, samples))
     return samples
+
+
+async def enables(dut: Any) -> None:
+    """A core that moves in every third clock."""
+    while True:
+        dut.clk_en.value = 0
+        await ClockCycles(dut.clk, 2)
+        dut.clk_en.value = 1
+        await RisingEdge(dut.clk)
 
 
 async def check(dut: Any, samples: list[list[int]]) -> None:

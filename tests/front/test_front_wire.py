@@ -1,4 +1,7 @@
-"""The emitted front end on somebody else's UART and on SPI, with noise and cuts."""
+"""The emitted front end on somebody else's UART and on SPI, with noise and cuts.
+
+In Icarus, and before a release in Verilator too.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +11,23 @@ from typing import Any
 
 import pytest
 
-from cosim_runs import require_cosim, run_cosim
+from cosim_runs import Simulator, require_cosim, run_cosim
 from front_designs import design_of, made
 from front_runs import run_model
 from sculler_hdl import generate
 from sculler_model.design import Design
 from sculler_model.front import Spi, Uart
 from tiers import few_of
+
+CLOCKED = {"reset": "async", "reset_active": "low", "clock_enable": True, "initial": False}
+
+
+def clocked(design: Design) -> Design:
+    """The same with another reset and a clock enable."""
+    data = design.as_json()
+    data["hardware"] |= CLOCKED
+    return Design.parse(data)
+
 
 SLOW = 16 * 921600.0
 CASES = {
@@ -23,6 +36,8 @@ CASES = {
     "custom": (design_of("custom", clock_hz=SLOW), "custom"),
     "hg4930": (design_of("hg4930", 1000.0, clock_hz=16e6), "hg4930"),
     "adis16505": (design_of("adis16505", clock_hz=8e6), "adis16505"),
+    "stim300 clocked": (clocked(design_of("stim300", clock_hz=SLOW)), "stim300"),
+    "adis16505 clocked": (clocked(design_of("adis16505", clock_hz=8e6)), "adis16505"),
     "adis16470": (design_of("adis16470", clock_hz=25e6), "adis16470"),
     "adis16488": (design_of("adis16488", clock_hz=20e6), "adis16488"),
 }
@@ -63,6 +78,9 @@ def job_of(design: Design, name: str) -> dict[str, Any]:
     model = run_model(design, stream, round(end * link.clock_hz / 1e9))
     return {
         "wire": "spi" if spi else "uart",
+        "seed": 1,
+        "low": design.hardware.reset_active == "low",
+        "enable": design.hardware.clock_enable is True,
         "baud": link.wire.baud if isinstance(link.wire, Uart) else 0,
         "period_ps": round(1e12 / link.clock_hz / 2) * 2,
         "frames": [(time, frame.hex()) for time, frame in frames],
@@ -77,10 +95,20 @@ def job_of(design: Design, name: str) -> dict[str, Any]:
     }
 
 
-@pytest.mark.parametrize("case", few_of(CASES, ["stim300", "adis16505"]))
+@pytest.mark.parametrize("case", few_of(CASES, ["stim300", "adis16505 clocked"]))
 def test_what_is_sent_is_read(case: tuple[Design, str], tmp_path: Path) -> None:
-    design, name = case
-    require_cosim()
+    run(*case, tmp_path, "icarus")
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("name", ["custom", "stim300 clocked", "adis16505 clocked"])
+def test_what_is_sent_is_read_in_verilator(name: str, tmp_path: Path) -> None:
+    run(*CASES[name], tmp_path, "verilator")
+
+
+def run(design: Design, name: str, tmp_path: Path, simulator: Simulator) -> None:
+    """Send a job's frames, and see what comes out."""
+    require_cosim(simulator)
     if name[:4] != "adis":
         pytest.importorskip("cocotbext.uart", reason="cocotbext-uart is not installed")
     job = job_of(design, name)
@@ -90,4 +118,4 @@ def test_what_is_sent_is_read(case: tuple[Design, str], tmp_path: Path) -> None:
     top = f"{design.name}_front"
     source = tmp_path / f"{top}.v"
     source.write_text(generate(design).further[source.name])
-    run_cosim([source], top, "wire_bench", job, tmp_path, 2)
+    run_cosim([source], top, "wire_bench", job, tmp_path, 2, simulator)

@@ -1,13 +1,15 @@
-"""The emitted unit, driven by other people's bus masters in Icarus."""
+"""The emitted unit, driven by other people's bus masters in Icarus and in Verilator."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import pytest
 
-from cosim_runs import require_cosim, run_cosim
+from cosim_runs import Simulator, require_cosim, run_cosim
 from register_facts import from_rdl
 from sculler_hdl import generate
 from sculler_model.design import Design
@@ -21,6 +23,7 @@ def bus_design(
     core: str = "compact",
     overrun: str = "drop-sample",
     initial: bool = True,
+    clocking: Mapping[str, Any] = MappingProxyType({}),
     **bus: Any,
 ) -> Design:
     hardware = {
@@ -28,6 +31,7 @@ def bus_design(
         "overrun": overrun,
         "initial": initial,
         "bus": {"result": result, **bus},
+        **clocking,
     }
     return make_design("narrow", 2, 1, 2, (8, 8), hardware=hardware)
 
@@ -58,6 +62,9 @@ def job_of(design: Design, seed: int, majors: int) -> dict[str, Any]:
         "kind": bus.result,
         "sample": bus.sample,
         "clock": bus.clock,
+        "low": design.hardware.reset_active == "low",
+        "at_once": design.hardware.resets_at_once,
+        "enable": design.hardware.clock_enable is True,
         "bus_period_ps": 7_300 if seed % 2 else 23_700,
         "seed": seed,
         "samples": samples,
@@ -92,9 +99,16 @@ def job_of(design: Design, seed: int, majors: int) -> dict[str, Any]:
     }
 
 
-def run_bench(design: Design, folder: Path, module: str, job: dict[str, Any], tests: int) -> None:
-    """Compile the unit with Icarus and run the tests of a module of `cosim`."""
-    require_cosim()
+def run_bench(
+    design: Design,
+    folder: Path,
+    module: str,
+    job: dict[str, Any],
+    tests: int,
+    simulator: Simulator = "icarus",
+) -> None:
+    """Compile the unit and run the tests of a module of `cosim`."""
+    require_cosim(simulator)
     made = generate(design)
     sources = []
     texts = {f"{design.name}.v": made.verilog, **made.further}
@@ -103,12 +117,20 @@ def run_bench(design: Design, folder: Path, module: str, job: dict[str, Any], te
         if name.endswith(".v"):
             sources.append(folder / name)
             sources[-1].write_text(text)
-    run_cosim(sources, f"{design.name}_unit", module, job, folder, tests)
+    run_cosim(sources, f"{design.name}_unit", module, job, folder, tests, simulator)
 
+
+CLOCKED = {"reset": "async", "reset_active": "low", "clock_enable": True}
 
 REGISTERS: dict[str, dict[str, Any]] = {
     "axi-lite": {"result": "axi-lite"},
     "axi-lite-separate": {"result": "axi-lite", "clock": "separate"},
+    "axi-lite-clocked": {
+        "result": "axi-lite",
+        "clock": "separate",
+        "initial": False,
+        "clocking": CLOCKED,
+    },
     "axi-lite-fast-core": {"result": "axi-lite", "core": "pipelined", "depth": 2},
     "axi-lite-no-stamps": {"result": "axi-lite", "time_stamps": False},
     "apb": {"result": "apb"},
@@ -116,6 +138,8 @@ REGISTERS: dict[str, dict[str, Any]] = {
     "apb-no-initial-values": {"result": "apb", "clock": "separate", "initial": False},
     "wishbone": {"result": "wishbone"},
     "wishbone-separate": {"result": "wishbone", "clock": "separate"},
+    "wishbone-low": {"result": "wishbone", "clocking": {"reset_active": "low"}},
+    "wishbone-pipelined-clocked": {"result": "wishbone-pipelined", "clocking": CLOCKED},
     "wishbone-pipelined": {"result": "wishbone-pipelined"},
     "wishbone-pipelined-separate": {"result": "wishbone-pipelined", "clock": "separate"},
 }
@@ -123,6 +147,12 @@ REGISTERS: dict[str, dict[str, Any]] = {
 PACKETS: dict[str, dict[str, Any]] = {
     "axi-stream": {"result": "axi-stream"},
     "axi-stream-separate": {"result": "axi-stream", "sample": "axi-stream", "clock": "separate"},
+    "axi-stream-clocked": {
+        "result": "axi-stream",
+        "sample": "axi-stream",
+        "core": "pipelined",
+        "clocking": CLOCKED,
+    },
     "axi-stream-samples": {"result": "axi-stream", "sample": "axi-stream", "time_stamps": False},
     "axi-stream-fast-core": {"result": "axi-stream", "core": "pipelined"},
     "stream": {"result": "stream", "depth": 2},
@@ -138,7 +168,7 @@ def masters(result: str) -> str:
 
 @pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.deep)])
 @pytest.mark.parametrize(
-    "keys", few_of(REGISTERS, ["axi-lite-separate", "apb", "wishbone-pipelined"])
+    "keys", few_of(REGISTERS, ["axi-lite-clocked", "apb", "wishbone-pipelined"])
 )
 def test_registers(keys: dict[str, Any], seed: int, tmp_path: Path) -> None:
     """Somebody's master reads the golden model's results, under stalls of every channel."""
@@ -146,6 +176,29 @@ def test_registers(keys: dict[str, Any], seed: int, tmp_path: Path) -> None:
     design = bus_design(**keys)
     majors = 4 if seed == 3 else 30
     run_bench(design, tmp_path, "bus_bench", job_of(design, seed, majors), 2)
+
+
+IN_VERILATOR = {
+    name: REGISTERS[name]
+    for name in (
+        "axi-lite",
+        "axi-lite-clocked",
+        "apb-no-initial-values",
+        "wishbone",
+        "wishbone-pipelined-separate",
+    )
+} | {name: PACKETS[name] for name in ("axi-stream-clocked", "axi-stream-separate", "stream")}
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("name", IN_VERILATOR)
+def test_in_verilator(name: str, tmp_path: Path) -> None:
+    """The same masters, in a simulator that knows no X: what has no value begins at random."""
+    keys = IN_VERILATOR[name]
+    pytest.importorskip(masters(keys["result"]), reason="the bus's master is not installed")
+    design = bus_design(**keys)
+    module, tests = ("packet_bench", 1) if name in PACKETS else ("bus_bench", 2)
+    run_bench(design, tmp_path, module, job_of(design, 5, 10), tests, "verilator")
 
 
 @pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.deep)])
@@ -166,6 +219,10 @@ LATE: dict[str, tuple[dict[str, Any], int]] = {
     "fast-drops-results-separate": (
         {"core": "pipelined", "overrun": "drop-result", "clock": "separate"},
         1,
+    ),
+    "fast-drops-results-clocked": (
+        {"core": "pipelined", "overrun": "drop-result", "clocking": {"reset": "async"}},
+        3,
     ),
 }
 

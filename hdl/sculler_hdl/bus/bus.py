@@ -6,7 +6,7 @@ sample ─▶ SampleGate ─▶ core          core ─▶ ResultStore ─▶ Reg
 
 from __future__ import annotations
 
-from amaranth import C, Cat, Module, Signal
+from amaranth import C, Cat, Module, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -29,12 +29,12 @@ from sculler_hdl.plan.bus_ports import (
     takes_packets,
     the_bus,
 )
-from sculler_hdl.plan.ports import Port, sample_ports
+from sculler_hdl.plan.ports import Port, reset_name, sample_ports
 from sculler_hdl.plan.registers import FRONT_COUNTERS, RegisterMap
 from sculler_hdl.plan.timing import timing
 from sculler_model.design import STATUS_BITS, Design
 
-_CLOCKS = ("clk", "rst", "bus_clk", "bus_rst")
+_CLOCKS = ("clk", "rst", "rst_n", "bus_clk", "bus_rst", "bus_rst_n")
 
 PACKET_CROSSING = 16
 """Words that a crossing of packets holds."""
@@ -44,7 +44,8 @@ class ResultBus(wiring.Component):
     """What stands between a core and a host's bus.
 
     Ports: `sculler_hdl.plan.bus_ports`.  Clock domains: `sync`, the core's; and `bus`, where the
-    design has a separate clock for it.
+    design has a separate clock for it.  A clock enable is the core's alone: the bus answers in
+    every clock, and takes from the core and gives to it in those that are enabled.
 
     Args:
         design: the design, which has a bus.
@@ -68,16 +69,16 @@ class ResultBus(wiring.Component):
         m.submodules.store = store = ResultStore(self.table.window, self.bus.depth)
         m.submodules.gate = gate = SampleGate(sum(port.bits for port in self._sample))
         core_rst = Signal(init=1)  # after reset the core's goes on for a clock
+        self._reset(m, f"{CORE}rst", core_rst)
         m.d.comb += [
-            self.core_rst.eq(core_rst),
             store.restart.eq(core_rst),
             gate.hold.eq(core_rst),
-            store.core_valid.eq(self.core_result_valid),
+            store.core_valid.eq(self._enabled(self.core_result_valid)),
             store.core_data.eq(self.core_result_data),
             store.core_last.eq(self.core_result_last),
             self.core_result_ready.eq(store.core_ready),
             self.core_sample_valid.eq(gate.core_valid),
-            gate.core_ready.eq(self.core_sample_ready),
+            gate.core_ready.eq(self._enabled(self.core_sample_ready)),
             Cat(getattr(self, f"{CORE}{port.name}") for port in self._sample).eq(gate.core),
         ]
         self._samples(m, gate)
@@ -88,9 +89,18 @@ class ResultBus(wiring.Component):
             m.d.sync += core_rst.eq(0)
             m.d.comb += gate.enable.eq(1)
             if has_front(self.design):
-                m.d.comb += self.front_rst.eq(core_rst)
+                self._reset(m, "front_rst", core_rst)
             self._packets(m, store)
         return m
+
+    def _enabled(self, level: Value) -> Value:
+        """What the core shows, in the clocks that count for it."""
+        return level & self.clk_en if self.design.hardware.clock_enable else level
+
+    def _reset(self, m: Module, name: str, active: Signal) -> None:
+        """Drive the reset of another part, at the level that the design asks for."""
+        low = self.design.hardware.reset_active == "low"
+        m.d.comb += getattr(self, reset_name(self.design, name)).eq(~active if low else active)
 
     @property
     def _sample(self) -> list[Port]:
@@ -198,7 +208,7 @@ class ResultBus(wiring.Component):
         if has_front(self.design):
             front_rst = Signal(init=1)
             m.d.sync += front_rst.eq(registers.control_reset_front)
-            m.d.comb += self.front_rst.eq(front_rst)
+            self._reset(m, "front_rst", front_rst)
             for name, _ in FRONT_COUNTERS:
                 m.d.comb += getattr(registers, f"{name}_value").eq(getattr(self, name))
         if stamps is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sculler_hdl.bus.bus import ResultBus
+from sculler_hdl.clocked import ClockedPart
 from sculler_hdl.export.component import component_verilog
 from sculler_hdl.export.register_files import c_header, systemrdl
 from sculler_hdl.plan.bus_ports import bus_ports
@@ -28,6 +29,11 @@ def bus_files(design: Design) -> Mapping[str, str]:
     return texts
 
 
+_TAKING = frozenset({"s_axi_awready", "s_axi_wready", "s_axi_arready", "s_axis_tready"})
+_STALLING = frozenset({"wb_stall"})
+"""By which the bus takes something from who is not in reset; classic cycles and APB wait."""
+
+
 def _verilog(design: Design) -> str:
     bus = design.hardware.bus
     assert bus is not None
@@ -43,8 +49,12 @@ def _verilog(design: Design) -> str:
         "",
         "Signed ports are two's complement.",
     ]
+    part: ResultBus | ClockedPart = ResultBus(design)
+    if not design.hardware.resets_plainly:
+        domains = {"clk": "sync"} | ({"bus_clk": "bus"} if bus.clock == "separate" else {})
+        part = ClockedPart(part, design, domains, _TAKING, _STALLING)
     return component_verilog(
-        ResultBus(design),
+        part,
         f"{design.name}_bus",
         bus_ports(design),
         about,

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from sculler_hdl.clocked import ClockedPart
 from sculler_hdl.export.component import component_verilog, rare_collection
 from sculler_hdl.front.front_end import FrontEnd
 from sculler_hdl.plan.front import FrontPlan, front_ports
-from sculler_hdl.plan.ports import Port, clock_ports
+from sculler_hdl.plan.ports import Port, part_clock_ports
 from sculler_model.design import Design
 from sculler_model.front import Spi
 
 
 def front_module_ports(design: Design) -> tuple[Port, ...]:
     """Every port of NAME_front, in order."""
-    return (*clock_ports(design), *front_ports(design))
+    return (*part_clock_ports(design), *front_ports(design))
 
 
 def front_files(design: Design) -> Mapping[str, str]:
@@ -25,11 +26,12 @@ def front_files(design: Design) -> Mapping[str, str]:
     """
     if design.front is None:
         return {}
-    name = f"{design.name}_front"
+    name, plain = f"{design.name}_front", design.hardware.resets_plainly
     with rare_collection():
         front = FrontEnd(design)
         text = component_verilog(
-            front,
+            # `clk` and `rst` come by themselves
+            front if plain else ClockedPart(front, design, {"clk": "sync"}),
             name,
             front_module_ports(design),
             _about(design, front.plan),

@@ -9,7 +9,7 @@ from sculler_hdl.export.front import front_module_ports
 from sculler_hdl.export.manifest import module_ports
 from sculler_hdl.export.verilog_text import wrapped
 from sculler_hdl.plan.bus_ports import CORE, bus_ports
-from sculler_hdl.plan.ports import Port
+from sculler_hdl.plan.ports import Port, clock_ports, reset_name
 from sculler_model.design import Design
 
 
@@ -51,7 +51,8 @@ def unit_instances(design: Design) -> tuple[Instance, ...]:
     ]
     if design.front is not None:
         front = front_module_ports(design)
-        nets = {port.name: "front_rst" if port.name == "rst" else port.name for port in front}
+        nets = {port.name: port.name for port in front}
+        nets[reset_name(design)] = reset_name(design, "front_rst")
         parts.insert(0, Instance(f"{name}_front", "front", front, nets))
     return tuple(parts)
 
@@ -66,7 +67,7 @@ def unit_ports(design: Design) -> tuple[Port, ...]:
             net = instance.nets[port.name]
             if net not in inside:
                 found.setdefault(net, port._replace(name=net, told=port.meaning))
-    clocks = [found.pop(name) for name in ("clk", "rst")]
+    clocks = [found.pop(port.name) for port in clock_ports(design)]
     return (*clocks, *found.values())
 
 

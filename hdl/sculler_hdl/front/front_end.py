@@ -22,7 +22,9 @@ class FrontEnd(wiring.Component):
 
     pins -> UartReceiver or WordReader -> FrameReceiver -> SampleSequence -> sample port
 
-    Ports (clock `clk`, synchronous `rst`): `sculler_hdl.plan.front.front_ports`.
+    Ports (clock `clk`, reset): `sculler_hdl.plan.front.front_ports`; and `clk_en`, where the core
+    has a clock enable: the wire is read in every clock, and a sample taken in those that are
+    enabled.
 
     Args:
         design: a design with a front end.
@@ -36,14 +38,14 @@ class FrontEnd(wiring.Component):
             raise ValueError(f"{design.name} has no [hardware.front]")
         self.design = design
         self.plan = FrontPlan(design.front)
-        super().__init__(
-            {
-                port.name: (Out if port.output else In)(
-                    signed(port.bits) if port.declared_signed else unsigned(port.bits)
-                )
-                for port in front_ports(design)
-            }
-        )
+        self.enables = design.hardware.clock_enable is True
+        members = {
+            port.name: (Out if port.output else In)(
+                signed(port.bits) if port.declared_signed else unsigned(port.bits)
+            )
+            for port in front_ports(design)
+        }
+        super().__init__(({"clk_en": In(1)} if self.enables else {}) | members)
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
@@ -64,7 +66,9 @@ class FrontEnd(wiring.Component):
             frames.frame_ready.eq(sequence.frame_ready),
             sequence.fault.eq(frames.fault),
             *(getattr(sequence, name).eq(getattr(frames, name)) for name in self.plan.fields),
-            sequence.sample_ready.eq(self.sample_ready),
+            sequence.sample_ready.eq(
+                self.sample_ready & self.clk_en if self.enables else self.sample_ready
+            ),
         ]
         bad, total = Signal(FRONT_COUNTER_BITS), Signal(FRONT_COUNTER_BITS + 1)
         m.d.comb += [

@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from sculler_hdl.plan.front import front_counter_ports
-from sculler_hdl.plan.ports import Port, clock_ports, core_ports, counter_ports, sample_ports
+from sculler_hdl.plan.ports import (
+    Port,
+    core_ports,
+    counter_ports,
+    part_clock_ports,
+    reset_name,
+    reset_told,
+    sample_ports,
+)
 from sculler_hdl.plan.registers import ADDRESS_BITS
 from sculler_model.design import STATUS_BITS, Bus, Design
 
@@ -36,10 +44,14 @@ def bus_ports(design: Design) -> tuple[Port, ...]:
     bus = the_bus(design)
     bus_clock = [
         Port("bus_clk", 1, told="clock of the bus, rising edge"),
-        Port("bus_rst", 1, told="its synchronous reset, active high, together with rst"),
+        Port(
+            reset_name(design, "bus_rst"),
+            1,
+            told=f"its {reset_told(design)}, together with {reset_name(design)}",
+        ),
     ]
     return (
-        *clock_ports(design),
+        *part_clock_ports(design),
         *(bus_clock if bus.clock == "separate" else []),
         *_sample_side(design),
         *_core_side(design),
@@ -48,14 +60,14 @@ def bus_ports(design: Design) -> tuple[Port, ...]:
     )
 
 
-def front_ports() -> list[Port]:
+def front_ports(design: Design) -> list[Port]:
     """Those that a sensor front end drives beside the sample."""
     counters = [port._replace(output=False) for port in front_counter_ports()]
     instant = Port("sample_instant", 1, told="the moment that the next sample's time stamp tells")
     return [
         instant,
         *counters,
-        Port("front_rst", 1, output=True, told="resets the sensor front end"),
+        Port(reset_name(design, "front_rst"), 1, output=True, told="resets the sensor front end"),
     ]
 
 
@@ -92,7 +104,7 @@ def _sample_side(design: Design) -> list[Port]:
         Port("sample_valid", 1),
         Port("sample_ready", 1, output=True, told="the offered sample is taken in this clock"),
         *sample_ports(design),
-        *(front_ports() if has_front(design) else []),
+        *(front_ports(design) if has_front(design) else []),
     ]
 
 
@@ -105,7 +117,7 @@ def _core_side(design: Design) -> list[Port]:
         Port(
             f"{CORE}{port.name}", port.bits, port.signed, not port.output, f"the core's {port.name}"
         )
-        for port in [Port("rst", 1), *core]
+        for port in [Port(reset_name(design), 1), *core]
     ]
 
 

@@ -41,18 +41,32 @@ def clock_ports(design: Design) -> list[Port]:
 
     The reset is `rst`, or `rst_n` where it is active low.
     """
+    ports = [Port("clk", 1), Port(reset_name(design), 1, told=reset_told(design))]
+    return [*ports, Port("clk_en", 1)] if design.hardware.clock_enable else ports
+
+
+def part_clock_ports(design: Design) -> list[Port]:
+    """Those of a part around the core, which goes on while the core stands still."""
+    told = "clock enable of the core, which gives and takes only while it is high"
+    return [
+        port._replace(told=told) if port.name == "clk_en" else port for port in clock_ports(design)
+    ]
+
+
+def reset_name(design: Design, of: str = "rst") -> str:
+    """What a reset port is called: with `_n` where it is active low."""
+    return f"{of}_n" if design.hardware.reset_active == "low" else of
+
+
+def reset_told(design: Design) -> str:
+    """What kind of reset it is."""
     hardware = design.hardware
-    level = hardware.reset_active or "high"
     kind = (
         "asynchronous reset, which ends with the clock"
         if hardware.resets_at_once
         else "synchronous reset"
     )
-    ports = [
-        Port("clk", 1),
-        Port("rst_n" if level == "low" else "rst", 1, told=f"{kind}, active {level}"),
-    ]
-    return [*ports, Port("clk_en", 1)] if hardware.clock_enable else ports
+    return f"{kind}, active {hardware.reset_active or 'high'}"
 
 
 def sample_ports(design: Design) -> list[Port]:

@@ -36,7 +36,8 @@ class Hardware(Part):
         reset: "sync", which is the default: it acts with the clock; "async": it acts at once and
             ends with the clock.
         reset_active: "high", which is the default: the port is `rst`; "low": it is `rst_n`.
-        clock_enable: whether there is a port `clk_en`, without which everything stands still.
+        clock_enable: whether there is a port `clk_en`, without which the core stands still; bus and
+            front end go on, and give and take only while it is high.
     """
 
     core: Annotated[
@@ -76,7 +77,12 @@ class Hardware(Part):
     @property
     def clocked_plainly(self) -> bool:
         """Whether it has a synchronous active-high reset and no clock enable."""
-        return not (self.reset or self.reset_active or self.clock_enable)
+        return self.resets_plainly and not self.clock_enable
+
+    @property
+    def resets_plainly(self) -> bool:
+        """Whether it has a synchronous active-high reset."""
+        return not (self.reset or self.reset_active)
 
     @field_validator("initial")
     @classmethod
@@ -92,19 +98,6 @@ class Hardware(Part):
     @classmethod
     def _no_clock_enable_is_left_unsaid(cls, value: bool | None) -> bool | None:
         return value or None
-
-    @field_validator("reset", "reset_active", "clock_enable")
-    @classmethod
-    def _parts_around_the_core_are_clocked_plainly(
-        cls, value: object, info: ValidationInfo
-    ) -> object:
-        for part in ("bus", "front"):
-            if value is not None and info.data.get(part) is not None:
-                raise ValueError(
-                    f"not possible with [hardware.{part}], whose clock and reset are the usual"
-                    " ones: leave it out"
-                )
-        return value
 
     @field_validator("multipliers")
     @classmethod

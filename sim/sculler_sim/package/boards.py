@@ -163,6 +163,11 @@ def _check(board: Board, design: Design) -> None:
         raise InputError(
             f'{where}: the design is for {hardware.target}, give hardware.target = "{board.family}"'
         )
+    if not hardware.clocked_plainly:
+        raise InputError(
+            f"{where}: its top level has a synchronous reset, active high, and no clock enable,"
+            " leave out hardware.reset, reset_active and clock_enable"
+        )
     front = hardware.front
     if front is None or front.clock_hz != board.clock_mhz * 1e6:
         raise InputError(
