@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from sculler_model.golden import GoldenModel as GoldenModel
     from sculler_model.host import MajorIncrements as MajorIncrements
     from sculler_model.motion import Motion as Motion
+    from sculler_model.navigation import HeightReference as HeightReference
     from sculler_model.navigation import NavHistory as NavHistory
     from sculler_model.navigation import Navigator as Navigator
     from sculler_model.navigation import NavState as NavState
@@ -72,6 +73,7 @@ _PLACES = {
     "Error": "sculler_model.errors",
     "FastModel": "sculler.library.models",
     "GoldenModel": "sculler_model.golden",
+    "HeightReference": "sculler_model.navigation",
     "InputError": "sculler_model.errors",
     "LiveNavigator": "sculler.library.live",
     "Log": "sculler.library.logs",
@@ -112,6 +114,7 @@ __all__ = [
     "Error",
     "FastModel",
     "GoldenModel",
+    "HeightReference",
     "InputError",
     "LiveNavigator",
     "Log",

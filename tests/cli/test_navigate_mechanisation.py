@@ -96,6 +96,47 @@ def test_a_damped_height_that_leaves_its_reference_is_told(
     ] * climbing
 
 
+def barometer(folder: Path, offset: float = 0.0, until: float = 60.0) -> Path:
+    """2 m/s of climb every 0.5 s, 0.3 s late."""
+    path = folder / f"barometer_{offset:g}_{until:g}.csv"
+    rows = [f"{500 + offset + 2 * (t - 0.3):.3f},{t:.1f}" for t in np.arange(-0.5, until, 0.5)]
+    path.write_text("\n".join(["height_m,time_s", *rows, ""]), encoding="utf-8")
+    return path
+
+
+def test_a_measured_height(run: Run, refused: Refused, tmp_path: Path) -> None:
+    """A climb is followed in both mechanisations; a reference that is wrong or ends is told."""
+    path = vectors(run, tmp_path, Motion(radians(48), radians(11), 500.0, up=Curve((0.0, 2.0))), 60)
+    out = tmp_path / "nav.csv"
+
+    def flown(reference: Path, *options: object) -> list[str]:
+        given = (*PLACE, "--vd", -2, "--no-plots", "--height-damping", 10, "-o", out, *options)
+        measured = ("--height-reference", reference, "--height-lag", 0.3)
+        outcome = run("navigate", "stim300", path, "--json", *given, *measured)
+        assert outcome.status == 0, outcome.err
+        told: list[str] = json.loads(outcome.out)["warnings"]
+        return told
+
+    height = 13
+    for mechanisation in ("wander", "geographic"):
+        assert flown(barometer(tmp_path), "--mechanisation", mechanisation) == []
+        found = track(out)
+        assert np.abs(found[:, height] - 500 - 2 * found[:, 0]).max() < 0.01
+    (told,) = flown(barometer(tmp_path, 20.0))
+    assert "the height came to be 20 m away from --height-reference at 0 s" in told
+    assert flown(barometer(tmp_path, 20.0), "--height-noise", 5) == []
+    (told,) = flown(barometer(tmp_path, until=30.0))
+    assert "--height-reference has nothing for" in told
+    assert "the height is free there" in told
+    for text, message in (("a,b\n1,2\n", "no column time_s"), ("time_s,height_m\n", "no samples")):
+        bad = tmp_path / "bad.csv"
+        bad.write_text(text, encoding="utf-8")
+        options = ("-o", tmp_path / "none.csv", *PLACE, "--height-reference", bad)
+        assert message in refused("navigate", "stim300", path, *options)
+    said = refused("navigate", "stim300", path, "-o", out, *PLACE, "--height-lag", 1)
+    assert "--height-lag is of --height-reference, give that too" in said
+
+
 @pytest.mark.parametrize("lat", [90, -90])
 def test_at_a_pole(run: Run, refused: Refused, tmp_path: Path, turning: Path, lat: int) -> None:
     place = ("--lat", lat, "--lon", 0, "--height", 0, "--no-plots", "-o", tmp_path / "nav.csv")
@@ -104,13 +145,12 @@ def test_at_a_pole(run: Run, refused: Refused, tmp_path: Path, turning: Path, la
     assert "at a pole there is no north to point to" in said
 
 
-@pytest.mark.parametrize("option", [("--position-every", 2), ("--height-damping", 50)])
-def test_what_the_geographic_one_has_not(
-    refused: Refused, tmp_path: Path, turning: Path, option: tuple[object, ...]
-) -> None:
+def test_what_the_geographic_one_has_not(refused: Refused, tmp_path: Path, turning: Path) -> None:
     out = tmp_path / "nav.csv"
-    options = (*PLACE, "-o", out, "--mechanisation", "geographic", *option)
-    assert "are for the wander azimuth" in refused("navigate", "stim300", turning, *options)
+    options = (*PLACE, "-o", out, "--mechanisation", "geographic", "--position-every", 2)
+    assert "--position-every is for the wander azimuth" in refused(
+        "navigate", "stim300", turning, *options
+    )
     assert not out.exists()
 
 

@@ -24,6 +24,7 @@ from sculler_model.navigation import (
     NORMAL,
     Gravity,
     HeightDamping,
+    HeightReference,
     NavHistory,
     Navigator,
     NavState,
@@ -233,6 +234,25 @@ def test_navigation(
     parts = NavHistory.concatenate([found.run(moved[:1]), found.run(moved[1:])])
     assert np.array_equal(parts.to_numpy(), whole.to_numpy())
     assert found.state == expected.state
+
+
+@pytest.mark.parametrize("reference", [None, 450.0])
+def test_a_measured_height(reference: float | None) -> None:
+    """At its own rate, late, missing for a while; then nothing but the last one, growing old."""
+    moved = increments(300, False)
+    times = 0.01 * np.arange(300)
+    stamps = np.concatenate((np.arange(0.05, 1.0, 0.03), [2.0]))
+    heights = HeightReference(stamps, 470 + 10 * np.sin(stamps), lag=0.21).at(times)
+    damping = HeightDamping(reference, 20.0, hold=0.5)
+    expected = Navigator(START, 0.01, height_damping=damping)
+    found = NavigatorInC(HostInC(DESIGNS["stim300"]), START, height_damping=damping)
+    for part in (replace(moved, heights=heights), moved, moved[:40]):
+        whole = expected.run(part, compiled=False)
+        assert np.array_equal(found.run(part).to_numpy(), whole.to_numpy())
+    free = NavigatorInC(HostInC(DESIGNS["stim300"]), START).run(moved)
+    assert np.abs(free.h - expected.run(moved).h).max() > 0.01
+    with pytest.raises(InputError, match="a height to hold to is not allowed"):
+        NavigatorInC(HostInC(DESIGNS["stim300"]), START).run(replace(moved, heights=heights))
 
 
 @pytest.mark.parametrize("name", MOTIONS)

@@ -322,7 +322,7 @@ def test_the_first_interval_needs_no_past() -> None:
 def test_the_transient_of_the_height_is_that_of_the_loop(seconds: float) -> None:
     """The loop stepped by Euler, without the gradient of gravity that k2 makes up for."""
     loop, error, step = HeightDamping(0.0, seconds), 0.01, seconds / 2000
-    k1, k2, k3, _ = loop.gains
+    k1, k2, k3 = loop.gains
     k2 -= 2 * 9.7803253359 / 6378137.0
     height = speed = total = largest = 0.0
     for _ in range(10_000):

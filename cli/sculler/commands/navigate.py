@@ -24,6 +24,8 @@ if TYPE_CHECKING:
         "sculler navigate stim300 vectors.csv -o nav.csv --heading 90 --ve 30 \\\n"
         "    --lat 48 --lon 11 --height 500",
         "sculler navigate stim300 vectors.csv -o nav.csv --truth truth.csv --report run.html",
+        "sculler navigate stim300 vectors.csv -o nav.csv --lat 48 --lon 11 --height 500 \\\n"
+        "    --height-reference barometer.csv --height-lag 0.3 --height-damping 60",
     ),
 )
 @terminal.design_argument
@@ -105,6 +107,8 @@ def command(
         files = {"vectors": vectors, "design": design_name}
         files |= {} if truth is None else {"truth": str(truth)}
         files |= {} if plan.gravity.table is None else {"gravity table": asked["gravity"]}
+        if plan.height_reference is not None:
+            files["height reference"] = str(asked["height_reference"])
         _write_report(page, outcome, told(data), files)
     errors = () if outcome.errors is None else ("", errors_table(outcome.errors))
     terminal.report(data, as_json, terminal.facts(told(data)), *errors)

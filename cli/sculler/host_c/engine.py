@@ -162,7 +162,9 @@ class NavigatorInC:
         self._interval = host.design.major_interval
         self._start, self._since = state.time, 0
         self.carried = ctypes.create_string_buffer(host.functions.engine_size())
-        damping = height_damping and (height_damping.reference, height_damping.seconds)
+        loop = height_damping
+        waits = loop is not None and loop.reference is None
+        damping = loop and (loop.reference or 0.0, loop.seconds, loop.hold)
         value, table = gravity.value, gravity.table
         self._table = [np.ascontiguousarray(array) for array in table or ()]  # C points to them
         lats, heights, excess = self._table or [np.zeros(0)] * 3
@@ -170,7 +172,8 @@ class NavigatorInC:
             self.carried,
             ctypes.c_double(self._interval),
             ctypes.c_uint32(position_every),
-            (ctypes.c_double * 2)(*damping) if damping else None,
+            (ctypes.c_double * 3)(*damping) if damping else None,
+            ctypes.c_int(waits),
             None if value is None else ctypes.byref(ctypes.c_double(value)),
             *(
                 address(lats),
@@ -207,13 +210,21 @@ class NavigatorInC:
         phi, dv, dr = (a if a is None else np.ascontiguousarray(a, np.float64) for a in vectors)
         assert phi is not None
         assert dv is not None
+        heights = increments.heights
+        if heights is not None:
+            heights = np.ascontiguousarray(heights, np.float64)
         table, error = np.empty((rows, 11)), ctypes.c_int(_OK)
         done = self._host.functions.engine_run(
             self.carried,
             *(address(phi), address(dv), None if dr is None else address(dr)),
+            None if heights is None else address(heights),
             ctypes.c_size_t(rows),
             *(address(table), ctypes.byref(error)),
         )
+        if error.value == _BAD_SETTING:
+            raise InputError(
+                "host in C: a height to hold to is not allowed, or nothing holds to it"
+            )
         if error.value == _NOT_FINITE:
             before = self._state.time if done < 2 else times[done - 2]
             raise InputError(f"after {before:.3f} s: an increment is not finite, mend the vectors")

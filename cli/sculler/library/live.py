@@ -57,6 +57,7 @@ class LiveNavigator:
             that nothing stops in flight; else in Python, which is fast enough for one vehicle.
         begin: where the run begins and what carries it, the keywords of `navigate`: lat, lon
             (degrees), height (m), heading and others (degrees), vn, ve, vd (m/s), align (s), axes.
+            A `height_reference` may grow: `add` a barometer's values to it as they come.
 
     Raises:
         InputError: an argument has a fault, the place is missing, or Numba where it is asked for.
@@ -85,7 +86,7 @@ class LiveNavigator:
         plan = replace(plan, carrier=carrier, split=True, realign=False)
         if compiled:  # loaded here and now
             anywhere = plan.given.state(0.0, None)
-            carrier.begin(anywhere, design.major_interval, anywhere.h, plan.gravity)
+            carrier.begin(anywhere, design.major_interval, plan.damping(anywhere.h), plan.gravity)
         self.design = design
         self._new: list[NavHistory] = []
         self._run = NavigationRun(plan, self._new.append)
@@ -128,7 +129,7 @@ class LiveNavigator:
             f"a break of {each['seconds']:.6g} s ({each['what']}): {each['then']}"
             for each in seen.breaks
         ]
-        return told + seen.status_warnings()
+        return told + seen.status_warnings() + self._run.height_warnings
 
     def feed(
         self,

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
 
 from sculler.formats import vectors as files
 from sculler.formats.gravity import gravity_model
+from sculler.formats.height import read_height_reference
 from sculler.runs.navigation import AgainstTruth, Carrier, Given, NavigationRun, Plan
-from sculler.runs.navigation.plan import refuse_contradictions
+from sculler.runs.navigation.plan import DAMPING, refuse_contradictions
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
@@ -22,6 +23,7 @@ from sculler_model.navigation import (
     Alignment,
     FineAlignment,
     Gravity,
+    HeightReference,
     NavHistory,
     NavState,
     SensorNoise,
@@ -132,6 +134,9 @@ class Begin(TypedDict, total=False):
     mechanisation: Literal["wander", "geographic"]
     position_every: int
     height_damping: float | None
+    height_reference: str | Path | HeightReference | None
+    height_lag: float | None
+    height_noise: float | None
     gravity: str | Gravity
     noise: SensorNoise
     engine: Literal["python", "c"]
@@ -162,7 +167,10 @@ def make_plan(
             )
     get = cast("dict[str, Any]", asked).get
     refuse_contradictions({**asked, "start": start, "stop": stop})
-    gravity = get("gravity", "normal")
+    gravity, reference = get("gravity", "normal"), get("height_reference")
+    lag, noise = get("height_lag") or 0.0, get("height_noise") or 0.0
+    if isinstance(reference, str | Path):
+        reference = read_height_reference(Path(reference), lag, noise)
     return Plan(
         design,
         name,
@@ -171,13 +179,18 @@ def make_plan(
             (get("vn"), get("ve"), get("vd")),
             (_radians(get("lat")), _radians(get("lon")), get("height")),
         ),
-        Carrier(get("mechanisation", "wander"), get("position_every", 1), get("height_damping")),
+        Carrier(
+            get("mechanisation", "wander"),
+            get("position_every", 1),
+            get("height_damping") or (None if reference is None else DAMPING),
+        ),
         AxisMap.parse(get("axes", "x,y,z")),
         start=start,
         stop=stop,
         align=get("align"),
         fine=get("fine", False),
         third_order=get("third_order", False),
+        height_reference=reference,
         gravity=gravity_model(gravity) if isinstance(gravity, str) else gravity,
         noise=get("noise", ESTIMATED),
         engine=get("engine", "python"),
@@ -227,7 +240,10 @@ def navigate(
             - `axes`: which sensor axis becomes which body axis, as "y,x,-z"
             - `third_order`: correct φ by the terms of third order
             - `mechanisation`: "wander" (works at the poles) or "geographic"; `position_every`:
-              major intervals from one position update to the next; `height_damping`: s
+              major intervals from one position update to the next
+            - `height_damping`: s, time constant of a loop that holds the height, to the first one
+              or to `height_reference`: a CSV of time_s, height_m with `height_lag` (s) and
+              `height_noise` (m), or a `HeightReference`
             - `gravity`: "normal", "constant", "constant:G", a table's path or a `Gravity`
             - `noise`: a `SensorNoise`, what is known of the sensors, for the alignment
             - `engine`: "python", or "c": the host in C, compiled here; the same numbers

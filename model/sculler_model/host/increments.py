@@ -35,6 +35,8 @@ class MajorIncrements(Table):
             sums and corrections lack the samples before the first one (`require_whole`).
         times: (R,) s, the instant of each interval's END (`sculler_model.samples`); None where
             it is not told.
+        heights: (R, 2) a measured height (m) to hold to in each interval, and its age (s) at the
+            interval's START, below 0 where there is none (`HeightReference.at`); None for no such.
 
     Examples:
         >>> import numpy as np, sculler
@@ -51,6 +53,7 @@ class MajorIncrements(Table):
     dr_sf: Array | None = None
     status: NDArray[np.int64] | None = None
     times: Array | None = None
+    heights: Array | None = None
 
     def __len__(self) -> int:
         return len(self.phi)
@@ -71,8 +74,12 @@ class MajorIncrements(Table):
     def __getitem__(self, part: slice) -> MajorIncrements:
         """Consecutive intervals."""
         cut = self._each(lambda vectors: vectors[part])
-        status = None if self.status is None else self.status[part]
-        return replace(cut, status=status, times=None if self.times is None else self.times[part])
+        return replace(
+            cut,
+            status=None if self.status is None else self.status[part],
+            times=None if self.times is None else self.times[part],
+            heights=None if self.heights is None else self.heights[part],
+        )
 
     def in_axes(self, axes: AxisMap) -> MajorIncrements:
         """The same increments in body axes, from the sensor's."""
@@ -136,7 +143,7 @@ class MajorIncrements(Table):
         """Join in order; parts without a status count as whole.
 
         Raises:
-            ValueError: there is no part, or only some have ΔR_SF or times.
+            ValueError: there is no part, or only some have ΔR_SF, times or heights.
         """
         status = None
         if any(part.status is not None for part in parts):
@@ -150,6 +157,7 @@ class MajorIncrements(Table):
             _all_or_none("dr_sf", [part.dr_sf for part in parts]),
             status,
             _all_or_none("times", [part.times for part in parts]),
+            _all_or_none("heights", [part.heights for part in parts]),
         )
 
 

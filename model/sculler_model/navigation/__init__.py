@@ -34,9 +34,9 @@ from sculler_model.navigation.gravity import (
     refuse_outside,
     table_of_gravity,
 )
+from sculler_model.navigation.height import HeightDamping, HeightKeeper, HeightReference
 from sculler_model.navigation.interpolation import interpolated
 from sculler_model.navigation.navigator import (
-    HeightDamping,
     Mechanisation,
     Navigator,
     navigate,
@@ -67,6 +67,8 @@ __all__ = [
     "GeographicNavigator",
     "Gravity",
     "HeightDamping",
+    "HeightKeeper",
+    "HeightReference",
     "LeftOut",
     "Mechanisation",
     "NavErrors",

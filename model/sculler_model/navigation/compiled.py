@@ -30,7 +30,7 @@ from sculler_model.navigation.wander import (
 Array = NDArray[np.float64]
 
 CompiledRun: TypeAlias = Callable[
-    [Array, Array, float | None, GravityTable | None, Array, Array, Array, Array], int
+    [Array, Array, float | None, GravityTable | None, Array, Array, Array, Array, Array], int
 ]
 
 
@@ -43,11 +43,11 @@ def compiled_run() -> CompiledRun | None:
     """What carries a state over many intervals at machine speed; None where Numba is missing.
 
     It takes the state (`numbers_of`), which it changes, and the settings (interval, position every,
-    four of damping), the two parts of a `Gravity`, φ, ΔV_SF and ΔR_SF, (R, 3) each (the last one
-    (0, 3) where it is not used), and an (R, 11) table that it fills with q_nb, v, lat, lon, h,
-    wander at the interval ends.  It returns how many intervals it got through: fewer than R if the
-    track left the places that `gravity.covers`.  A call takes half a microsecond and no more than
-    arrays, so that it serves single updates too.
+    three of damping), the two parts of a `Gravity`, φ, ΔV_SF and ΔR_SF, (R, 3) each (the last one
+    (0, 3) where it is not used), the heights to hold to, (R, 2) or one row for all, and an (R, 11)
+    table that it fills with q_nb, v, lat, lon, h, wander at the interval ends.  It returns how many
+    intervals it got through: fewer than R if the track left the places that `gravity.covers`.  A
+    call takes half a microsecond and no more than arrays, so that it serves single updates too.
 
     Compiling takes some seconds at the very first call and is kept on disk from then on.
     """
@@ -65,22 +65,25 @@ def compiled_run() -> CompiledRun | None:
         phi: Array,
         dv_sf: Array,
         dr_sf: Array,
+        heights: Array,
         table: Array,
     ) -> int:
         model, fine = Gravity(value, points), len(dr_sf) > 0
-        damping = (constants[2], constants[3], constants[4], constants[5])
+        damping = (constants[2], constants[3], constants[4])
         settings = Settings(constants[0], int(constants[1]), fine, damping, model)
         now = level_of(carried)
-        dr, done = (0.0, 0.0, 0.0), len(phi)
+        dr, done, one_for_all = (0.0, 0.0, 0.0), len(phi), len(heights) == 1
         for i in range(len(phi)):
             if fine:
                 dr = (dr_sf[i, 0], dr_sf[i, 1], dr_sf[i, 2])
+            at = 0 if one_for_all else i
             now = step(
                 now,
                 settings,
                 (phi[i, 0], phi[i, 1], phi[i, 2]),
                 (dv_sf[i, 0], dv_sf[i, 1], dv_sf[i, 2]),
                 dr,
+                (heights[at, 0], heights[at, 1]),
             )
             q, v, lat, lon, h, angle = geographic(now)
             row = table[i]

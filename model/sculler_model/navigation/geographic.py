@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from math import cos, isfinite, pi, sin
 
+import numpy as np
+
 from sculler_model.errors import InputError
 from sculler_model.frames import (
     Vector,
@@ -21,6 +23,7 @@ from sculler_model.frames import (
 )
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.gravity import NORMAL, Gravity, covers, gravity_at, refuse_outside
+from sculler_model.navigation.height import HeightDamping, HeightKeeper, Held
 from sculler_model.navigation.state import (
     NavHistory,
     NavState,
@@ -30,6 +33,7 @@ from sculler_model.navigation.state import (
     told_times,
     wrapped,
 )
+from sculler_model.navigation.wander import above
 
 
 class GeographicNavigator:
@@ -43,13 +47,20 @@ class GeographicNavigator:
         state: at the start of the first interval.
         interval: length of a major interval, s.
         gravity: the model to navigate by.
+        height_damping: a loop that holds the height; none if left out.
 
     Raises:
         InputError: the state is not one to navigate from (see `check_state`), at a pole, or
-            outside a gravity table.
+            outside a gravity table; the damping is too fast for the intervals.
     """
 
-    def __init__(self, state: NavState, interval: float, gravity: Gravity = NORMAL) -> None:
+    def __init__(
+        self,
+        state: NavState,
+        interval: float,
+        gravity: Gravity = NORMAL,
+        height_damping: HeightDamping | None = None,
+    ) -> None:
         check_state(state)
         refuse_outside(gravity, state.time, state.lat, state.h)
         if not abs(state.lat) < pi / 2:
@@ -58,6 +69,10 @@ class GeographicNavigator:
             )
         if not (isfinite(interval) and interval > 0):
             raise InputError(f"interval: {interval} s is not allowed, give a number > 0")
+        if height_damping:
+            height_damping.fits(interval)
+        self._gains = height_damping.gains if height_damping else (0.0, 0.0, 0.0)
+        self._keeper, self._offset = HeightKeeper(height_damping, interval), 0.0
         # the time counts from `_start` on, by intervals
         self._start, self._since, self._interval = state.time, 0, interval
         self._gravity = gravity
@@ -68,12 +83,20 @@ class GeographicNavigator:
         """The state at the end of the last update."""
         return self._state
 
-    def update(self, phi: VectorLike, dv_sf: VectorLike) -> NavState:
+    def update(
+        self,
+        phi: VectorLike,
+        dv_sf: VectorLike,
+        *,
+        height: float | None = None,
+        height_age: float = 0.0,
+    ) -> NavState:
         """Carry the state over one major interval; each vector a tuple, list or (3,) array.
 
         Args:
             phi: rotation vector of the body over the interval, against inertial space, rad.
             dv_sf: integral of the specific force (m/s) in the body frame at the interval's start.
+            height, height_age: a measured height (m) and its age (s), as of `Navigator.update`.
 
         Returns:
             The state at the interval's end.
@@ -83,11 +106,15 @@ class GeographicNavigator:
                 where north and longitude end; the height has run away, or the gravity table ends.
         """
         time = self._start + (self._since + 1) * self._interval
-        state = self._update(three_numbers("phi", phi), three_numbers("dv_sf", dv_sf), time)
+        turn, dv = three_numbers("phi", phi), three_numbers("dv_sf", dv_sf)
+        if height is not None:
+            self._keeper.measured(height, height_age)
+        state = self._update(turn, dv, time, self._keeper.held)
+        self._keeper.passed()
         self._since += 1
         return state
 
-    def _update(self, phi: Vector, dv_sf: Vector, time: float) -> NavState:
+    def _update(self, phi: Vector, dv_sf: Vector, time: float, held: Held) -> NavState:
         T = self._interval
         past, old = self._past, self._state
         if not isfinite(sum(phi) + sum(dv_sf)):
@@ -109,11 +136,15 @@ class GeographicNavigator:
         coriolis = cross((2 * ie_n + en_n, 2 * ie_e + en_e, 2 * ie_d + en_d), v_mid)
         north, east, down = plus(plus(old.v, dv, 1.0), coriolis, -T)
         lean, pulled = gravity_at(self._gravity, sin_mid, h_mid)
+        k1, k2, k3 = self._gains
+        too_high = above(old.h, old.v[2], held)
+        self._offset += T * k3 * too_high
+        pulled += k2 * too_high + self._offset
         v: Vector = (north + T * cos_mid * lean, east, down + T * pulled)
 
         # position: trapezoid, the curvature taken at its middle
         v_mean: Vector = (0.5 * (old.v[0] + v[0]), 0.5 * (old.v[1] + v[1]), 0.5 * (old.v[2] + v[2]))
-        h = old.h - T * v_mean[2]
+        h = old.h - T * v_mean[2] - T * k1 * too_high
         h_mid = 0.5 * (old.h + h)
         _, en_e, _ = transport_rate(sin_mid, cos_mid, h_mid, v_mean)
         lat = old.lat - T * en_e
@@ -149,11 +180,16 @@ class GeographicNavigator:
         """
         increments.require_whole("navigation")
         times = told_times(increments)
+        count = len(increments)
+        heights = np.broadcast_to(self._keeper.told(increments.heights, count), (count, 2))
+        counted = times is None
         if times is None:
-            pairs = zip(increments.phi.tolist(), increments.dv_sf.tolist(), strict=True)
-            return NavHistory.from_states([self.update(p, v) for p, v in pairs])
-        rows = zip(increments.phi.tolist(), increments.dv_sf.tolist(), times.tolist(), strict=True)
-        states = [self._update(tuple(p), tuple(v), time) for p, v, time in rows]
-        if states:
+            times = self._start + (self._since + np.arange(1.0, count + 1)) * self._interval
+        vectors = (increments.phi.tolist(), increments.dv_sf.tolist(), heights.tolist())
+        states = []
+        for p, v, held, time in zip(*vectors, times.tolist(), strict=True):
+            states.append(self._update(tuple(p), tuple(v), time, tuple(held)))
+            self._since += 1
+        if states and not counted:
             self._start, self._since = states[-1].time, 0
         return NavHistory.from_states(states)

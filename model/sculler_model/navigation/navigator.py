@@ -7,21 +7,19 @@ geodetic position on WGS-84; q_nb takes body components to navigation components
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from math import exp, isfinite
+from math import isfinite
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.errors import InputError
-from sculler_model.frames import GRAVITY_EQUATOR, SEMI_MAJOR_AXIS, Vector, to_dcm
+from sculler_model.frames import Vector, to_dcm
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.compiled import CompiledRun, compiled_run, required_run
 from sculler_model.navigation.gravity import NORMAL, Gravity, refuse_outside
+from sculler_model.navigation.height import HeightDamping, HeightKeeper, Held
 from sculler_model.navigation.state import (
-    MAX_HEIGHT,
-    MIN_HEIGHT,
     NavHistory,
     NavState,
     VectorLike,
@@ -33,7 +31,6 @@ from sculler_model.navigation.stepping import Compiled, Interpreted, Row, Steppi
 from sculler_model.navigation.wander import NOT_YET, Settings, level, position, step, with_past
 
 __all__ = [
-    "HeightDamping",
     "Mechanisation",
     "NavHistory",
     "NavState",
@@ -61,51 +58,6 @@ class Mechanisation(Protocol):
 
     def run(self, increments: MajorIncrements) -> NavHistory:
         """Carry the state over consecutive major intervals; the states at their ends."""
-
-
-@dataclass(frozen=True)
-class HeightDamping:
-    """A third-order loop that holds the unstable vertical channel to a known height.
-
-    With e the height less the reference: ḣ gets -k1 e, the acceleration upward -k2 e - k3 ∫e dt,
-    where k1 = 3/τ, k2 = 3/τ² + 2g/R, k3 = 1/τ³ put all three poles at -1/τ.  A constant
-    accelerometer error is absorbed by the integral and leaves no height error behind.
-
-    Attributes:
-        reference: height above the ellipsoid, m, as a barometer or the terrain gives it.
-        seconds: τ; many major intervals long, usually a minute or more.
-
-    Raises:
-        InputError: the time is not > 0, or a number is not finite.
-    """
-
-    reference: float
-    seconds: float = 100.0
-
-    def __post_init__(self) -> None:
-        if not (isfinite(self.seconds) and self.seconds > 0):
-            raise InputError(
-                f"height damping: time constant {self.seconds} s is not allowed, give a number > 0"
-            )
-        if not MIN_HEIGHT <= self.reference <= MAX_HEIGHT:
-            raise InputError(
-                f"height damping: reference {self.reference:.6g} m is not allowed, give"
-                f" {MIN_HEIGHT:.0f} m to {MAX_HEIGHT:.0f} m above the ellipsoid"
-            )
-
-    @property
-    def gains(self) -> tuple[float, float, float, float]:
-        """k1 (1/s), k2 (1/s²), k3 (1/s³), and the reference (m)."""
-        rate = 1 / self.seconds
-        instability = 2 * GRAVITY_EQUATOR / SEMI_MAJOR_AXIS
-        return 3 * rate, 3 * (rate * rate) + instability, rate * rate * rate, self.reference
-
-    def transient(self, acceleration: float) -> float:
-        """How far (m) a constant error of the vertical acceleration (m/s²) moves the height.
-
-        The height answers with ½ a t² exp(-t/τ), whose largest value is at t = 2τ.
-        """
-        return 2 * exp(-2) * abs(acceleration) * self.seconds**2
 
 
 class Navigator:
@@ -157,12 +109,10 @@ class Navigator:
             raise InputError(
                 f"position every {position_every} intervals is not allowed, give 1 or more"
             )
-        if height_damping and height_damping.seconds < 10 * interval:
-            raise InputError(
-                f"height damping: time constant {height_damping.seconds:g} s is too short for"
-                f" intervals of {interval:g} s, give at least {10 * interval:g} s"
-            )
-        damping = height_damping.gains if height_damping else (0.0, 0.0, 0.0, 0.0)
+        if height_damping:
+            height_damping.fits(interval)
+        damping = height_damping.gains if height_damping else (0.0, 0.0, 0.0)
+        self._keeper = HeightKeeper(height_damping, interval)
         self._settings = Settings(interval, int(position_every), False, damping, gravity)
         now = level(state.q, state.v, state.lat, state.lon, state.h, state.wander, gravity)
         self._stepping: Stepping = (
@@ -190,7 +140,13 @@ class Navigator:
         return to_dcm(position(self._stepping.level)[0])
 
     def update(
-        self, phi: VectorLike, dv_sf: VectorLike, dr_sf: VectorLike | None = None
+        self,
+        phi: VectorLike,
+        dv_sf: VectorLike,
+        dr_sf: VectorLike | None = None,
+        *,
+        height: float | None = None,
+        height_age: float = 0.0,
     ) -> NavState:
         """Carry the state over one major interval; each vector a tuple, list or (3,) array.
 
@@ -204,25 +160,33 @@ class Navigator:
             dr_sf: ΔR_SF, the running integral of that over the interval (m), same frame: the
                 position is then of high resolution (see `host.displacement`).
                 Without it the velocity is integrated by the trapezoid.
+            height: m above the ellipsoid, measured since the last update, for the height damping;
+                None where nothing was: it then holds to the last one, up to the age of
+                `HeightDamping.hold`.
+            height_age: s, from the instant it stands for to the interval's start.
 
         Returns:
             The state at the interval's end.
 
         Raises:
-            InputError: an argument is not three finite numbers, the height has run away, or the
-                gravity table ends.
+            InputError: an argument is not three finite numbers, the height has run away, the
+                gravity table ends, or a height comes without height damping.
         """
         turn, dv = three_numbers("phi", phi), three_numbers("dv_sf", dv_sf)
         dr = None if dr_sf is None else three_numbers("dr_sf", dr_sf)
+        if height is not None:
+            self._keeper.measured(height, height_age)
         self._end_of_told_times()
-        return self._update(turn, dv, dr)
+        state = self._update(turn, dv, dr, self._keeper.held)
+        self._keeper.passed()
+        return state
 
-    def _update(self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None = None) -> NavState:
+    def _update(self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None, held: Held) -> NavState:
         if not isfinite(sum(phi) + sum(dv_sf) + sum(dr_sf or NOT_YET)):
             raise self._not_finite()
         if not self._updates:
-            self._see_to_the_past(phi, dv_sf, dr_sf)
-        row, holds = self._stepping.update(phi, dv_sf, dr_sf)
+            self._see_to_the_past(phi, dv_sf, dr_sf, held)
+        row, holds = self._stepping.update(phi, dv_sf, dr_sf, held)
         self._moved(1, row)
         if not holds:
             self._left_gravity()
@@ -240,7 +204,8 @@ class Navigator:
 
         Args:
             increments: φ, ΔV_SF and, for a position of high resolution, ΔR_SF of R intervals, as
-                for `update`; where they have times, the states do.
+                for `update`; where they have times, the states do; heights to hold to, where they
+                have them.
             compiled: whether to go through Numba; if left out, as the navigator was made, else
                 where it is installed and there are `WORTH_COMPILING` intervals up to now.
 
@@ -264,20 +229,22 @@ class Navigator:
         if increments.times is not None and len(increments):
             self._start, self._since = self.state.time, 0
             self._told = told_times(increments)
+        heights = self._keeper.told(increments.heights, len(increments))
         run = self._run_to_take(len(increments), compiled)
         if run is None or not len(increments):
-            return self._interpreted(arrays)
+            return self._interpreted(arrays, heights)
 
         # Numba would compile anew for arrays of another kind
         phi, dv, *more = (np.require(array, requirements=["C", "W"]) for array in arrays)
         dr = more[0] if more else None
         if not self._updates:
-            self._see_to_the_past(_first(phi), _first(dv), None if dr is None else _first(dr))
+            first = (_first(phi), _first(dv), None if dr is None else _first(dr))
+            self._see_to_the_past(*first, (float(heights[0, 0]), float(heights[0, 1])))
         stepping = self._stepping
         if not isinstance(stepping, Compiled):
             stepping = Compiled(run, stepping.level, self._settings)
         table = np.empty((len(phi), 11))
-        done = stepping.run(phi, dv, dr, table)
+        done = stepping.run(phi, dv, dr, heights, table)
         self._stepping.level = stepping.level
         times = self._told
         if times is None:
@@ -289,13 +256,18 @@ class Navigator:
             self._left_gravity()
         return NavHistory.from_table(times, table)
 
-    def _interpreted(self, arrays: Sequence[Array]) -> NavHistory:
+    def _interpreted(self, arrays: Sequence[Array], heights: Array) -> NavHistory:
         """`run` in Python."""
         kept = self._stepping
         self._stepping = Interpreted(kept.level, self._settings)
         try:
             rows = zip(*(map(tuple, array.tolist()) for array in arrays), strict=True)
-            return NavHistory.from_states([self._update(*row) for row in rows])
+            held = map(tuple, np.broadcast_to(heights, (len(arrays[0]), 2)).tolist())
+            states = [
+                self._update(phi, dv, dr[0] if dr else None, height)
+                for (phi, dv, *dr), height in zip(rows, held, strict=True)
+            ]
+            return NavHistory.from_states(states)
         finally:
             kept.level = self._stepping.level
             self._stepping = kept
@@ -320,11 +292,13 @@ class Navigator:
         if self._told is not None:
             self._start, self._since, self._told = self._time, 0, None
 
-    def _see_to_the_past(self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None) -> None:
+    def _see_to_the_past(
+        self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None, held: Held
+    ) -> None:
         """Before the first interval: the past that the extrapolations need."""
         settings = self._settings._replace(high_resolution=dr_sf is not None)
         now = self._stepping.level
-        after = step(now, settings, phi, dv_sf, dr_sf or NOT_YET)
+        after = step(now, settings, phi, dv_sf, dr_sf or NOT_YET, held)
         self._stepping.level = with_past(now, after, settings)
 
     def _not_finite(self) -> InputError:

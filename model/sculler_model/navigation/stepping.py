@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sculler_model.frames import Vector
 from sculler_model.navigation.compiled import CompiledRun
 from sculler_model.navigation.gravity import covers
+from sculler_model.navigation.height import RESTING, Held
 from sculler_model.navigation.wander import (
     NOT_YET,
     Level,
@@ -36,8 +37,10 @@ class Stepping(Protocol):
 
     level: Level
 
-    def update(self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None) -> tuple[Row, bool]:
-        """Carry it over one interval, with ΔR_SF in high resolution.
+    def update(
+        self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None, held: Held
+    ) -> tuple[Row, bool]:
+        """Carry it over one interval, with ΔR_SF in high resolution, held to a height.
 
         Returns:
             What is at its end, and whether the model of gravity holds there.
@@ -57,10 +60,12 @@ class Interpreted:
         self._coarse = settings._replace(high_resolution=False)
         self._fine = settings._replace(high_resolution=True)
 
-    def update(self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None) -> tuple[Row, bool]:
+    def update(
+        self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None, held: Held
+    ) -> tuple[Row, bool]:
         """See `Stepping.update`."""
         settings, dr = (self._coarse, NOT_YET) if dr_sf is None else (self._fine, dr_sf)
-        self.level = step(self.level, settings, phi, dv_sf, dr)
+        self.level = step(self.level, settings, phi, dv_sf, dr, held)
         q, v, lat, lon, h, wander = geographic(self.level)
         return (*q, *v, lat, lon, h, wander), covers(settings.gravity, lat, h)
 
@@ -85,11 +90,14 @@ class Compiled:
         )
         self._gravity = settings.gravity.value, settings.gravity.table
         vectors, table = np.zeros((3, 1, 3)), np.zeros((1, 11))
-        self._coarse = vectors[0], vectors[1], np.zeros((0, 3)), table
-        self._fine = vectors[0], vectors[1], vectors[2], table
+        self._held = np.array([RESTING])
+        self._coarse = vectors[0], vectors[1], np.zeros((0, 3)), self._held, table
+        self._fine = vectors[0], vectors[1], vectors[2], self._held, table
         self._vectors, self._row = vectors.data.cast("B"), table[0]
         nothing = np.zeros((0, 3))
-        self.run(nothing, nothing, None, np.zeros((0, 11)))  # loads the code, now and not in flight
+        self.run(
+            nothing, nothing, None, self._held, np.zeros((0, 11))
+        )  # loads the code, now and not in flight
 
     @property
     def level(self) -> Level:
@@ -100,8 +108,11 @@ class Compiled:
     def level(self, level: Level) -> None:
         self._carried[:] = numbers_of(level)
 
-    def update(self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None) -> tuple[Row, bool]:
+    def update(
+        self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None, held: Held
+    ) -> tuple[Row, bool]:
         """See `Stepping.update`."""
+        self._held[0] = held
         if dr_sf is None:
             _SIX.pack_into(self._vectors, 0, *phi, *dv_sf)
             arrays = self._coarse
@@ -111,11 +122,14 @@ class Compiled:
         done = self._run(self._carried, self._constants, *self._gravity, *arrays)
         return self._row.tolist(), done > 0
 
-    def run(self, phi: Array, dv_sf: Array, dr_sf: Array | None, table: Array) -> int:
+    def run(
+        self, phi: Array, dv_sf: Array, dr_sf: Array | None, heights: Array, table: Array
+    ) -> int:
         """Carry it over R intervals.
 
         Args:
             phi, dv_sf, dr_sf: (R, 3); ΔR_SF in high resolution.
+            heights: (R, 2) of `step`'s `held`, or one row for all.
             table: (R, 11), gets a `Row` for each interval.
 
         Returns:
@@ -123,4 +137,6 @@ class Compiled:
             it stops, after that interval.
         """
         dr = np.zeros((0, 3)) if dr_sf is None else dr_sf
-        return self._run(self._carried, self._constants, *self._gravity, phi, dv_sf, dr, table)
+        return self._run(
+            self._carried, self._constants, *self._gravity, phi, dv_sf, dr, heights, table
+        )

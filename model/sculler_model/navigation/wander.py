@@ -68,15 +68,14 @@ class Settings(NamedTuple):
         interval: T, length of a major interval, s.
         position_every: j, major intervals from one position update to the next.
         high_resolution: position by the doubly integrated increments, not by the trapezoid.
-        damping: gains of the height loop k1 (1/s), k2 (1/s²), k3 (1/s³), and the height (m) that
-            it holds to; the gains are 0 for no loop.
+        damping: gains of the height loop k1 (1/s), k2 (1/s²), k3 (1/s³); 0 for no loop.
         gravity: the model to navigate by.
     """
 
     interval: float
     position_every: int
     high_resolution: bool
-    damping: tuple[float, float, float, float]
+    damping: tuple[float, float, float]
     gravity: Gravity
 
 
@@ -332,7 +331,25 @@ def carried(
     return v, moved
 
 
-def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vector) -> Level:
+def above(h: float, down: float, held: tuple[float, float]) -> float:
+    """By how much (m) a height is above the one to hold to, both when that was measured.
+
+    Args:
+        h, down: height (m) and velocity down (m/s) at the start of the interval.
+        held: as for `step`.
+    """
+    reference, age = held
+    return h - reference + down * age if age >= 0.0 else 0.0
+
+
+def step(
+    now: Level,
+    settings: Settings,
+    phi: Vector,
+    dv_sf: Vector,
+    dr_sf: Vector,
+    held: tuple[float, float],
+) -> Level:
     """Carry the state over one major interval: velocity, position, then attitude.
 
     Args:
@@ -343,6 +360,8 @@ def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vect
             interval, held fixed in inertial space (Savage-98 Eq. 37).
         dr_sf: ΔR_SF, the running integral of that over the interval (m), same frame (Savage-98
             Eq. 84); not looked at without `high_resolution`.
+        held: the height (m) that the loop holds to and its age (s) at the start of the interval;
+            below 0 for none, the loop then rests.
 
     Returns:
         The state at the end of the interval.
@@ -350,8 +369,8 @@ def step(now: Level, settings: Settings, phi: Vector, dv_sf: Vector, dr_sf: Vect
     T, j = settings.interval, settings.position_every
     # the middle of the interval, by extrapolation (Savage-98 Eq. 8, 9, 19)
     mid = between(now.earth, now.earth_past, -(now.since + 0.5) / j)
-    k1, k2, k3, reference = settings.damping
-    too_high = now.h + now.climb - reference
+    k1, k2, k3 = settings.damping
+    too_high = above(now.h + now.climb, now.v[2], held)
     offset = now.offset + T * k3 * too_high
     damped = (0.0, 0.0, T * (k2 * too_high + offset))
 

@@ -15,7 +15,7 @@ from sculler.commands.options.group import Command, group
 if TYPE_CHECKING:
     from sculler.runs.navigation import Given, Plan
     from sculler_model.design import Design
-    from sculler_model.navigation import SensorNoise
+    from sculler_model.navigation import HeightReference, SensorNoise
 
 Options = Mapping[str, Any]
 """The verb's options by their names in Python."""
@@ -113,8 +113,28 @@ carrier_options = group(
         "--height-damping",
         type=terminal.number_type(0, above=True),
         metavar="SECONDS",
-        help="Hold the height to the initial one by a third-order loop with this time constant"
-        " (wander only).",
+        help="Hold the height by a third-order loop with this time constant: to the initial one, or"
+        " to --height-reference (100 s then if left out).",
+    ),
+    click.option(
+        "--height-reference",
+        type=terminal.InputFile(Path),
+        metavar="FILE",
+        help="Hold the height to a measured one, as a barometer's: a CSV with time_s (on the log's"
+        " clock) and height_m (above the ellipsoid), at its own rate.",
+    ),
+    click.option(
+        "--height-lag",
+        type=terminal.number_type(0),
+        metavar="SECONDS",
+        help="How long before its time_s a height of --height-reference was true; 0 if left out.",
+    ),
+    click.option(
+        "--height-noise",
+        type=terminal.number_type(0),
+        metavar="METRES",
+        help="One sigma of a height of --height-reference, for the warning where the height leaves"
+        " it; 0 if left out.",
     ),
     click.option(
         "--third-order",
@@ -188,7 +208,7 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
     """
     from sculler.formats.gravity import gravity_model
     from sculler.runs.navigation import Carrier, Plan
-    from sculler.runs.navigation.plan import refuse_contradictions
+    from sculler.runs.navigation.plan import DAMPING, refuse_contradictions
     from sculler_model.frames import AxisMap
 
     axes = AxisMap.parse(options["axes"])
@@ -200,9 +220,10 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
                 raise click.UsageError(
                     f"Missing option '--{name}' (or --truth, which says where the run begins)"
                 )
-    carrier = Carrier(
-        options["mechanisation"], options["position_every"], options["height_damping"]
-    )
+    reference, damping = _height_reference(options), options["height_damping"]
+    if damping is None and reference is not None:
+        damping = DAMPING
+    carrier = Carrier(options["mechanisation"], options["position_every"], damping)
     return Plan(
         design,
         vectors,
@@ -216,9 +237,20 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
         third_order=options["third_order"],
         split=options["breaks"] == "split",
         gravity=gravity,
+        height_reference=reference,
         noise=noise,
         engine=options["engine"],
     )
+
+
+def _height_reference(options: Options) -> HeightReference | None:
+    """The measured height, where there is one."""
+    from sculler.formats.height import read_height_reference
+
+    if options["height_reference"] is None:
+        return None
+    lag, noise = options["height_lag"] or 0.0, options["height_noise"] or 0.0
+    return read_height_reference(options["height_reference"], lag, noise)
 
 
 def sensor_noise(options: Options) -> SensorNoise:

@@ -5,6 +5,7 @@
 
 #define MIN_HEIGHT (-10e3)  /* m, to navigate in */
 #define MAX_HEIGHT (1000e3)
+#define HOLD 10.0 /* s, the age to which a measured height serves */
 #define AT_POLE 1e-12 /* cosine of latitude: 6 um from a pole */
 #define DEGREES (180.0 / SCULLER_PI)
 
@@ -357,7 +358,10 @@ static void step(sculler_nav *nav, const sculler_increments *increments)
 
     /* the middle of the interval, by extrapolation (Savage-98 Eq. 8, 9, 19) */
     sculler_earth mid = between(&nav->earth, &nav->past, -((double)nav->since + 0.5) / j);
-    double too_high = nav->h + nav->climb - loop->reference;
+    double too_high = 0.0; /* against the height that the navigator had when it was measured */
+    if (nav->age >= 0.0) {
+        too_high = nav->h + nav->climb - nav->reference + nav->v.z * nav->age;
+    }
     double offset = nav->offset + T * loop->k3 * too_high;
     double damped = T * (loop->k2 * too_high + offset);
     sculler_vector moved;
@@ -415,6 +419,8 @@ sculler_settings sculler_defaults(double interval)
     settings.damping.k2 = 0.0;
     settings.damping.k3 = 0.0;
     settings.damping.reference = 0.0;
+    settings.damping.hold = HOLD;
+    settings.damping.waits = false;
     settings.gravity.is_constant = false;
     settings.gravity.value = 0.0;
     settings.gravity.table = NULL;
@@ -430,6 +436,8 @@ sculler_damping sculler_height_damping(double reference, double seconds)
     damping.k2 = 3.0 * (rate * rate) + instability;
     damping.k3 = rate * rate * rate;
     damping.reference = reference;
+    damping.hold = HOLD;
+    damping.waits = false;
     return damping;
 }
 
@@ -442,10 +450,15 @@ static bool is_state(const sculler_state *s)
            && fabs(length - 1.0) <= 1e-6;
 }
 
+static bool is_damped(const sculler_damping *loop)
+{
+    return loop->k1 != 0.0 || loop->k2 != 0.0 || loop->k3 != 0.0;
+}
+
 static bool are_settings(const sculler_settings *s)
 {
     const sculler_damping *loop = &s->damping;
-    bool damped = loop->k1 != 0.0 || loop->k2 != 0.0 || loop->k3 != 0.0;
+    bool damped = is_damped(loop);
     if (!(isfinite(s->interval) && s->interval > 0.0) || s->position_every < 1u) {
         return false;
     }
@@ -478,9 +491,31 @@ sculler_error sculler_nav_begin(
     nav->travel = sculler_nothing();
     nav->climb = 0.0;
     nav->offset = 0.0;
+    nav->reference = settings->damping.waits ? 0.0 : settings->damping.reference;
+    nav->age = settings->damping.waits ? -1.0 : 0.0;
+    nav->measured = false;
     nav->start = start->time;
     nav->updates = 0;
     nav->begun = false;
+    return SCULLER_OK;
+}
+
+/* A height that is too old is none. */
+static void hold_to(sculler_nav *nav, double height, double age)
+{
+    bool fresh = age >= 0.0 && age <= nav->settings.damping.hold;
+    nav->reference = fresh ? height : 0.0;
+    nav->age = fresh ? age : -1.0;
+}
+
+sculler_error sculler_nav_hold_height(sculler_nav *nav, double height, double age)
+{
+    if (!is_damped(&nav->settings.damping) || !isfinite(age)
+        || !(MIN_HEIGHT <= height && height <= MAX_HEIGHT)) {
+        return SCULLER_BAD_SETTING;
+    }
+    nav->measured = true;
+    hold_to(nav, height, age);
     return SCULLER_OK;
 }
 
@@ -504,6 +539,9 @@ sculler_error sculler_nav_update(sculler_nav *nav, const sculler_increments *inc
     }
     step(nav, increments);
     nav->updates += 1u;
+    if (nav->measured && nav->age >= 0.0) {
+        hold_to(nav, nav->reference, nav->age + nav->settings.interval);
+    }
 
     double lat = 0.0, h = nav->since == 0u ? nav->h : nav->h + nav->climb;
     if (nav->settings.gravity.table != NULL) { /* only a table asks for the latitude */

@@ -94,7 +94,9 @@ typedef struct {
     double k1;        /* 1/s */
     double k2;        /* 1/s^2 */
     double k3;        /* 1/s^3 */
-    double reference; /* height above the ellipsoid, m */
+    double reference; /* height above the ellipsoid, m, as long as no other is measured */
+    double hold;      /* s, the age at which a measured height is held to no longer */
+    bool waits;       /* until a height is measured the loop rests, and does not look at reference */
 } sculler_damping;
 
 /* What does not change from interval to interval. */
@@ -125,6 +127,9 @@ typedef struct {
     sculler_vector travel;     /* rotation vector of w over the Earth since then, rad */
     double climb;              /* since then, m */
     double offset;             /* integral of the height loop, m/s^2 */
+    double reference;          /* height to hold to, m */
+    double age;                /* how old it is at the next interval's start, s; below 0: none */
+    bool measured;             /* whether it is one that ages */
     double start;              /* time from which the intervals count, s */
     uint64_t updates;          /* since then */
     bool begun;                /* whether there was an update */
@@ -135,7 +140,8 @@ sculler_settings sculler_defaults(double interval);
 
 /* Gains that put all three poles of the height loop at -1/seconds.
  *
- * reference: m; seconds: many major intervals long, usually a minute or more. */
+ * reference: m; seconds: many major intervals long, usually a minute or more.  A measured height is
+ * held to for 10 s. */
 sculler_damping sculler_height_damping(double reference, double seconds);
 
 /* Begin at a state.
@@ -156,6 +162,17 @@ sculler_error sculler_nav_begin(
  * A result of short history (status bit 0) is not for this: begin after it.  The very first update
  * is worked out twice, for the extrapolations need a past. */
 sculler_error sculler_nav_update(sculler_nav *nav, const sculler_increments *increments);
+
+/* Hold the height to a measured one, of a barometer say, from the next update on.
+ *
+ * height: m above the ellipsoid.
+ * age:    s, from the instant that it stands for to the next interval's start: its lag, and what it
+ *         waited; below 0 for none.  It is held against the height that the navigator had then.
+ *
+ * Each update makes it an interval older; from settings.damping.hold on, or where there is none, the
+ * loop rests.  SCULLER_BAD_SETTING: a number is not finite, the height outside -10 km..1000 km, or
+ * there is no damping; nothing is done then. */
+sculler_error sculler_nav_hold_height(sculler_nav *nav, double height, double age);
 
 /* The state at the end of the last major interval.
  *

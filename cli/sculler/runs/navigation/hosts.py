@@ -14,7 +14,6 @@ from sculler_model.host import MajorIncrements, ThirdOrder, major_increments
 from sculler_model.navigation import (
     Alignment,
     FineAlignment,
-    HeightDamping,
     Mechanisation,
     NavHistory,
     NavState,
@@ -34,7 +33,7 @@ class Host(Protocol):
         """φ, α, ΔV_SF and ΔR_SF of the next results, in body axes."""
 
     def navigator(self, start: NavState, reference_height: float) -> Mechanisation:
-        """What carries a state on; a damped height is held to the reference (m)."""
+        """What carries a state on; a damped height without a measured one is held to that (m)."""
 
     def coasted(self, state: NavState, seconds: float) -> NavState:
         """The state after a break."""
@@ -72,7 +71,8 @@ class HostInPython:
     def navigator(self, start: NavState, reference_height: float) -> Mechanisation:
         """See `Host`."""
         plan = self._plan
-        return plan.carrier.begin(start, plan.design.major_interval, reference_height, plan.gravity)
+        damping = plan.damping(reference_height)
+        return plan.carrier.begin(start, plan.design.major_interval, damping, plan.gravity)
 
     def coasted(self, state: NavState, seconds: float) -> NavState:
         """See `Host`."""
@@ -121,12 +121,12 @@ class CompiledHost:
         """See `Host`."""
         from sculler.host_c import NavigatorInC
 
-        plan, seconds = self._plan, self._plan.carrier.height_damping
+        plan = self._plan
         return NavigatorInC(
             self._host,
             start,
             position_every=plan.carrier.position_every,
-            height_damping=None if seconds is None else HeightDamping(reference_height, seconds),
+            height_damping=plan.damping(reference_height),
             gravity=plan.gravity,
         )
 

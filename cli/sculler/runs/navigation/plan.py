@@ -16,6 +16,7 @@ from sculler_model.navigation import (
     GeographicNavigator,
     Gravity,
     HeightDamping,
+    HeightReference,
     Mechanisation,
     Navigator,
     NavState,
@@ -83,8 +84,8 @@ class Carrier:
     Attributes:
         mechanisation: wander azimuth, which works at the poles too, or north-pointing.
         position_every: major intervals from one position update to the next (wander only).
-        height_damping: s, time constant of the loop that holds the height to the run's first one
-            (wander only); None for none.
+        height_damping: s, time constant of the loop that holds the height, to the run's first one
+            or to a reference; None for none.
         compiled: as of `Navigator` (wander only).
 
     Raises:
@@ -99,36 +100,37 @@ class Carrier:
     def __post_init__(self) -> None:
         if self.mechanisation == "geographic" and self.compiled:
             raise ContradictionError("compiled is for the wander azimuth, leave it out")
-        plain = self.position_every == 1 and self.height_damping is None
-        if self.mechanisation == "geographic" and not plain:
+        if self.mechanisation == "geographic" and self.position_every != 1:
             raise ContradictionError(
-                "--position-every and --height-damping are for the wander azimuth, leave them out"
-                " or give --mechanisation wander"
+                "--position-every is for the wander azimuth, leave it out or give"
+                " --mechanisation wander"
             )
 
     def begin(
-        self, start: NavState, interval: float, reference_height: float, gravity: Gravity
+        self, start: NavState, interval: float, damping: HeightDamping | None, gravity: Gravity
     ) -> Mechanisation:
         """It, with a state.
 
         Args:
             start: the state.
             interval: a major interval, s.
-            reference_height: to which a damped height is held, m.
+            damping: what holds the height.
             gravity: the model.
         """
         if self.mechanisation == "geographic":
-            return GeographicNavigator(start, interval, gravity)
-        damping = self.height_damping
+            return GeographicNavigator(start, interval, gravity, damping)
         return Navigator(
             start,
             interval,
             position_every=self.position_every,
-            height_damping=None if damping is None else HeightDamping(reference_height, damping),
+            height_damping=damping,
             gravity=gravity,
             compiled=self.compiled,
         )
 
+
+DAMPING = 100.0
+"""s, of a height that has a reference, if nothing else is said."""
 
 ANGLES, VELOCITIES = ("roll", "pitch", "heading"), ("vn", "ve", "vd")
 NOISE = ("noise", "gyro_noise", "accel_noise", "gyro_bias_sigma", "accel_bias_sigma")
@@ -170,6 +172,11 @@ def refuse_contradictions(
             raise ContradictionError(
                 f"{engine} c has the wander azimuth only, leave out {called('mechanisation')}"
             )
+    for name in ("height_lag", "height_noise"):
+        if given(name) and not given("height_reference"):
+            raise ContradictionError(
+                f"{called(name)} is of {called('height_reference')}, give that too"
+            )
     start, stop = asked.get("start"), asked.get("stop")
     if start is not None and stop is not None and not stop > start:
         raise ContradictionError(
@@ -194,6 +201,7 @@ class Plan:
         third_order: correct φ by `ThirdOrder`.
         split: begin anew after a break, which else is refused.
         gravity: the model of gravity.
+        height_reference: a measured height that the damping holds to; None for the run's first one.
         noise: what is known of the sensors, for the alignment.
         realign: align anew after a break; else coast over it, and gather a window that a break
             cuts anew.
@@ -216,6 +224,7 @@ class Plan:
     third_order: bool = False
     split: bool = False
     gravity: Gravity = NORMAL
+    height_reference: HeightReference | None = None
     noise: SensorNoise = ESTIMATED
     realign: bool = True
     engine: Literal["python", "c"] = "python"
@@ -225,3 +234,12 @@ class Plan:
             raise InputError(f'engine: {self.engine!r} is not allowed, give "python" or "c"')
         if self.engine == "c" and self.carrier.compiled:
             raise ContradictionError("compiled is for the engine python, leave it out")
+
+    def damping(self, first_height: float) -> HeightDamping | None:
+        """What holds the height of a run that began at a height (m)."""
+        seconds, reference = self.carrier.height_damping, self.height_reference
+        if seconds is None:
+            return None
+        if reference is None:
+            return HeightDamping(first_height, seconds)
+        return HeightDamping(None, seconds, reference.hold)

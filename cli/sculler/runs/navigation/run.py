@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from math import isfinite
 
 import numpy as np
@@ -13,6 +14,7 @@ from sculler.checks.oddities import Oddities
 from sculler.checks.vector_breaks import Break, Stretches, begins_at
 from sculler.formats.tables import counting
 from sculler.runs.navigation.against_truth import AgainstTruth
+from sculler.runs.navigation.heights import HeightWatch
 from sculler.runs.navigation.hosts import host_of
 from sculler.runs.navigation.plan import Plan
 from sculler.runs.navigation.seen import (
@@ -28,11 +30,9 @@ from sculler.runs.navigation.seen import (
 from sculler.words import plural
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
-from sculler_model.frames import STANDARD_GRAVITY
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation import (
     FineAlignment,
-    HeightDamping,
     Mechanisation,
     NavHistory,
     NavState,
@@ -40,9 +40,6 @@ from sculler_model.navigation import (
 )
 
 Array = NDArray[np.float64]
-
-_LARGE_ERROR = 1e-3 * STANDARD_GRAVITY
-"""Of an accelerometer, m/s²; navigation needs a better one."""
 
 
 class NavigationRun:
@@ -67,7 +64,7 @@ class NavigationRun:
     ) -> None:
         self._plan, self._sink, self._reference = plan, sink, reference
         self._telemetry, self._frames = telemetry, 0
-        self._strayed = 0.0  # m, the furthest that a damped height was from its reference
+        self._heights = HeightWatch(plan)
         self._T, self._half = plan.design.major_interval, 0.5 * plan.design.sample_interval
         self.seen = Seen()
         self._oddities = Oddities(plan.design)
@@ -124,6 +121,9 @@ class NavigationRun:
         times = increments.times
         assert times is not None
         edge = begins_at(plan.design, float(times[0])) if self._edge is None else self._edge
+        begins = np.concatenate([[edge], times[:-1]])
+        if plan.height_reference is not None:
+            increments = replace(increments, heights=plan.height_reference.at(begins))
         self._edge = float(times[-1])
         self._span = (edge if self._span is None else self._span[0], self._edge)
         if self._navigator is None:
@@ -131,7 +131,7 @@ class NavigationRun:
             align = plan.align is not None and not anew
             align = align and (plan.realign or self.seen.start is None)
             begin = self._aligned if align else self._started
-            increments = begin(increments, np.concatenate([[edge], times[:-1]]))
+            increments = begin(increments, begins)
         if self._navigator is not None and len(increments):
             self._carry(self._navigator, increments)
 
@@ -285,15 +285,15 @@ class NavigationRun:
             self._first.see(increments)
         if self._bias is not None:
             increments = self._bias.corrected(increments, self._T)
+        before, start = navigator.state, self.seen.start
         for part in trajectory(navigator, [increments] if len(increments) else []):
             self._show(part, increments.status)
+            if start is not None:
+                self._heights.see(start, before, part, increments)
         self.seen.end = navigator.state
 
     def _show(self, part: NavHistory, status: NDArray[np.int64] | None = None) -> None:
         self._sink(part)
-        if self.seen.start is not None and len(part):
-            away = float(np.abs(part.h - self.seen.start.h).max())
-            self._strayed = max(self._strayed, away)
         if self._telemetry is not None:
             bits = np.zeros(len(part), np.int64) if status is None else status
             self._telemetry(self._host.telemetry(part, bits, self._frames))
@@ -341,22 +341,15 @@ class NavigationRun:
             self._reference.begin()
         self._begin()
 
-    def _tell_height(self) -> None:
-        """Say where a damped height has left the height that it is held to."""
-        seconds, start = self._plan.carrier.height_damping, self.seen.start
-        if seconds is None or start is None:
-            return
-        explained = HeightDamping(start.h, seconds).transient(_LARGE_ERROR)
-        if self._strayed > explained:
-            self.seen.warnings.append(
-                f"--height-damping holds the height to {start.h:.6g} m, where the run began, but it"
-                f" came to be {self._strayed:.3g} m away, which no accelerometer error of 1 mg"
-                f" explains ({explained:.3g} m): leave it out where the vehicle climbs or descends"
-            )
+    @property
+    def height_warnings(self) -> list[str]:
+        """What there is to say of a damped height so far."""
+        start = self.seen.start
+        return [] if start is None else self._heights.warnings(start)
 
     def _finish(self) -> None:
         plan, seen = self._plan, self.seen
-        self._tell_height()
+        seen.warnings += self.height_warnings
         if seen.breaks and seen.breaks[-1]["then"] == NOTHING and self._reference is not None:
             self._then(NOTHING)
         elif plan.align is not None and self._navigator is None:
