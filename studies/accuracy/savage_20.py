@@ -9,6 +9,7 @@ import numpy as np
 
 from sculler_model.analysis import manoeuvre
 from sculler_model.analysis.advice import Environment, fitted_band
+from sculler_model.analysis.requirement import budget
 from sculler_model.analysis.vibration import PROFILES, Mount, relative_error, respond
 from studies.accuracy.coning import fine_design
 from studies.accuracy.section import Section, number
@@ -37,12 +38,48 @@ def savage_20() -> Section:
             ),
         ),
     )
+    _budget_rows(section)
     found = {name: _left(*table) for name, table in _tables().items()}
     for (n, method), left in found.items():
         section.add(f"{n} samples, {method}", _PAPER.get((n, method), ""), left.told(), _BY)
     _flown(section, found)
     section.after = _judged(found)
     return section
+
+
+def _budget_rows(section: Section) -> None:
+    """The requirements, from nautical miles an hour."""
+    how = "`sculler advise --nmi-per-hour`"
+    one, tenth = budget(1.0), budget(0.1)
+    section.add(
+        "1 nmi/h: average drift of the vertical, Schuler's swing of it",
+        "0.017 °/h, 0.004°",
+        f"{number(one.drift)} °/h, {number(one.angle)}°",
+        how,
+    )
+    section.add(
+        "its sensors and gravity together (0.01 °/h, 5 ppm, 40 µg, 10 µrad, 20 µg)",
+        "on the order of 0.004°",
+        f"{number(one.taken[1])}°",
+        how,
+    )
+    for found, paper in (
+        (one, "0.00017 °/h, 0.00004°"),
+        (tenth, "0.000017 °/h, 0.000004°"),
+    ):
+        section.add(
+            f"{found.nmi_per_hour:g} nmi/h: 1 % for the algorithm",
+            paper,
+            f"{number(found.algorithm_drift)} °/h, {number(found.algorithm_angle, 1)}°",
+            how,
+        )
+    gravity = next(part for part in tenth.parts if part.source == "gravity")
+    section.add(
+        "gravity's uncertainty alone, of 0.1 nmi/h",
+        "0.0011°, a limit",
+        f"{number(gravity.angle)}° of {number(tenth.angle)}°",
+        how,
+    )
 
 
 _TIME, _FREQUENCY = "1) time-taylor", "2) frequency-taylor"

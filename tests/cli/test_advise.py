@@ -60,9 +60,47 @@ def test_nothing_meets(run: Run, tmp_path: Path) -> None:
     assert not path.exists()
 
 
+def test_a_navigators_budget(run: Run) -> None:
+    outcome = run("advise", "--nmi-per-hour", 0.1)
+    assert outcome.status == 0
+    assert "gravity" in outcome.out
+    assert "1.7e-05" in outcome.out
+    words = ("--nmi-per-hour", 1, "--gyro-bias", 0.02, "--share", 2, "--json")
+    found = json.loads(run("advise", *words).out)["budget"]
+    assert found["algorithm"]["drift_deg_per_h"] == pytest.approx(2 * 1.67e-4, rel=0.01)
+    assert found["too_much"] == ["gyro bias"]
+
+
+@pytest.mark.deep
+def test_a_budget_is_the_requirement_of_the_ranking(run: Run) -> None:
+    words = ("advise", "stim300", "--coning", 0.1, 50, "--nmi-per-hour", 1, "--json")
+    data = json.loads(run(*words).out)
+    limit = data["budget"]["algorithm"]["drift_deg_per_h"]
+    assert data["meet"]
+    assert all(found["drift_deg_per_h"] <= limit for found in data["meet"])
+
+
+@pytest.mark.deep
+def test_a_manoeuvre_file_and_a_position(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "roll.csv"
+    rows = ["0,0,0,0,0,0,0", "0.2,40,5,0,0,1,-1", "0.4,0,0,0,0,0,-1"]
+    path.write_text("\n".join(["time_s,rate_x,rate_y,rate_z,force_x,force_y,force_z", *rows, ""]))
+    words = ("advise", "stim300", "--manoeuvre", path, "--angle", 1e-3, "--position", 1)
+    data = json.loads(run(*words, "--host-rate", 400, "--json").out)
+    best = data["meet"][0]
+    assert best["angle_deg"] <= 1e-3
+    assert best["position_cm"] <= 1
+    assert best["major_rate_hz"] >= 400
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
+        (("--coning", 0.1, 50, "--gyro-bias", 1, "--drift", 1), "need --nmi-per-hour"),
+        ((*CONING, "--angle", 1), "--angle needs --manoeuvre"),
+        (("--sculling", 0.1, 1, 35, "--drift", 1), "--drift needs --spectrum or --coning"),
+        ((*CONING, "--position", 1), "--position needs --peak-force"),
+        (("--manoeuvre", "nowhere.csv", "--angle", 1), "nowhere.csv"),
         (("--drift", 1), "give an environment"),
         (("--spectrum", "savage-98", *CONING), "give an environment"),
         (("--coning", 0.1, 50), "give a requirement"),
@@ -77,3 +115,8 @@ def test_nothing_meets(run: Run, tmp_path: Path) -> None:
 )
 def test_faults(refused: Callable[..., str], words: tuple[object, ...], message: str) -> None:
     assert message in refused("advise", "stim300", *words)
+
+
+def test_a_sensors_burden_needs_the_sensor(refused: Callable[..., str]) -> None:
+    assert "give a DESIGN" in refused("advise")
+    assert "needs its DESIGN" in refused("advise", "--nmi-per-hour", 1, "--coning", 0.1, 50)

@@ -12,6 +12,7 @@ import pytest
 from sculler.formats import gravity, history, log, truth_columns
 from sculler_hdl import generate
 from sculler_model import design as design_room
+from sculler_model.analysis.flight import PROFILE_COLUMNS
 from sculler_model.analysis.vibration import SPECTRUM_COLUMNS
 from sculler_model.design import HIGH_RESOLUTION_COLUMNS, Design
 
@@ -37,7 +38,11 @@ def first_column(page: str, after: str = "") -> list[str]:
         ("vectors.md", HIGH_RESOLUTION_COLUMNS, ["time_s"]),
         ("navigation-output.md", [*history.HEADER.split(","), history.WANDER], []),
         ("truth-files.md", sorted(truth_columns.KNOWN), []),
-        ("small-files.md", [*gravity.COLUMNS, *SPECTRUM_COLUMNS], ["gain", "phase_deg"]),
+        (
+            "small-files.md",
+            [*gravity.COLUMNS, *SPECTRUM_COLUMNS, *PROFILE_COLUMNS],
+            ["gain", "phase_deg"],
+        ),
     ],
 )
 def test_columns_of_files(page: str, columns: list[str], besides: list[str]) -> None:

@@ -30,6 +30,7 @@ from sculler_model.analysis.advice import (
     signed_digit_count,
 )
 from sculler_model.analysis.closed_form import drift_rate
+from sculler_model.analysis.flight import Profile
 from sculler_model.analysis.integer_path import rotation_vectors, running_attitude, unquantised
 from sculler_model.analysis.vibration import PROFILES, G, Mount, respond
 from sculler_model.design import Design, at_another_rate
@@ -395,5 +396,76 @@ def test_rate_sensors_get_families_for_rates() -> None:
     ],
 )
 def test_faults(environment: Environment, requirement: Requirement, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        advise(STIM, environment, requirement)
+
+
+# velocity, position, manoeuvres
+
+PULLED = Environment(half_angle=radians(0.1), hertz=50.0, peak_rate=1.0, peak_force=3 * G)
+
+
+def test_peak_force_changes_the_order_where_position_is_asked_for() -> None:
+    """The trapezoid errs by A C T³/12 an interval (Savage-98 Eq. 108), over 10 s; 0.1 mm here."""
+    limit, few = 1e-4, {"most_samples": 4, "most_history": 0, "slowest": 2}
+    free = advise(STIM, PULLED, Requirement(1e-3), **few)
+    asked = advise(STIM, PULLED, Requirement(1e-3, position=limit), **few)
+    assert free[0].design.name != asked[0].design.name
+    for candidate in (c for c in asked if c.meets):
+        T = candidate.design.major_interval
+        fine = candidate.design.algorithm.position == "high-resolution"
+        assert candidate.position is not None
+        assert candidate.position <= limit
+        if not fine:
+            assert candidate.position == pytest.approx(3 * G * T**2 / 12 * 10, rel=1e-6)
+    assert any(c.design.algorithm.position == "high-resolution" for c in asked if c.meets)
+    assert any("position by trapezoid leaves" in fault for c in asked for fault in c.faults)
+
+
+def test_sculling_tones_by_their_closed_form() -> None:
+    tone = Environment(
+        peak_rate=1.0, sculling_angle=radians(0.1), sculling_force=10.0, sculling_hertz=35.0
+    )
+    for candidate in advise(STIM, tone, Requirement(force=1.0), most_samples=2, most_history=1):
+        design = candidate.design
+        omega = 2 * pi * 35
+        left = drift_rate(design.table, radians(0.1), 10 / omega, omega, design.sample_interval)
+        assert candidate.force == pytest.approx(abs(float(left)) / G * 1e6, rel=1e-9)
+        assert candidate.meets is (not candidate.faults)
+
+
+def test_a_manoeuvre_makes_m_smaller() -> None:
+    """Source 1 falls with the fourth power of the interval, so a smaller M mends it."""
+    t = np.linspace(0, 1, 11)
+    values = np.zeros((11, 6))
+    values[:, 0] = 3 * np.sin(np.pi * t) ** 2 * np.sin(2 * np.pi * t)
+    values[:, 1] = np.sin(np.pi * t) ** 2
+    moved = Environment(peak_rate=3.0, manoeuvre=Profile("roll", t, values))
+
+    def found(angle: float) -> list[Candidate]:
+        limits = Requirement(angle=angle, host_rate=25.0)
+        return advise(STIM, moved, limits, most_samples=2, most_history=0, slowest=1)
+
+    loose = found(1.0)[0]
+    assert loose.meets
+    assert loose.angle is not None
+    tight = found(loose.angle / 100)[0]
+    assert tight.meets
+    assert tight.angle is not None
+    assert tight.design.algorithm.minors < loose.design.algorithm.minors
+    assert tight.angle <= loose.angle / 100
+
+
+@pytest.mark.parametrize(
+    ("environment", "requirement", "message"),
+    [
+        (PULLED, Requirement(angle=1.0), "need one, give it"),
+        (CONED, Requirement(position=1.0), "nothing moves the position"),
+        (Environment(peak_force=1.0), Requirement(1.0), "there is no coning"),
+    ],
+)
+def test_questions_that_do_not_go_together(
+    environment: Environment, requirement: Requirement, message: str
+) -> None:
     with pytest.raises(InputError, match=message):
         advise(STIM, environment, requirement)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sculler import terminal
+from sculler.commands.options import advice
 from sculler.commands.options.vibration import SPECTRUM_HELP, mount, mount_options
 
 if TYPE_CHECKING:
@@ -15,10 +16,14 @@ if TYPE_CHECKING:
 
     from sculler.runs.advice import Plan
     from sculler_model.analysis.advice import Candidate
+    from sculler_model.analysis.requirement import Budget
 
 NONE_MEETS = 1
 SHOWN = 10
-_ASKED = ("coning", "peak_rate", "peak_force", "drift", "force", "host_rate", "by")
+_ASKED = (
+    *("coning", "sculling", "peak_rate", "peak_force", "force_ramp", "host_rate", "by"),
+    *("drift", "force", "angle", "velocity", "position", "over"),
+)
 
 
 @click.command(
@@ -26,54 +31,16 @@ _ASKED = ("coning", "peak_rate", "peak_force", "drift", "force", "host_rate", "b
     epilog=terminal.examples(
         "sculler advise stim300 --spectrum savage-98 --drift 1.7e-4 --force 1 -o best.toml",
         "sculler advise stim300 --coning 0.1 50 --drift 1e-4 --peak-rate 400",
+        "sculler advise stim300 --sculling 0.1 1 35 --force 1 --peak-force 3 --position 1",
+        "sculler advise --nmi-per-hour 0.1",
     ),
 )
-@terminal.design_argument
+@click.argument("design_name", metavar="[DESIGN]", required=False)
 @click.option("--spectrum", metavar="NAME|FILE", help=SPECTRUM_HELP)
 @mount_options
-@click.option(
-    "--coning",
-    nargs=2,
-    type=terminal.number_type(0, 1e6, above=True),
-    metavar="DEG HZ",
-    help="Classical coning instead: half angle and frequency.",
-)
-@click.option(
-    "--peak-rate",
-    type=terminal.number_type(0),
-    default=200.0,
-    show_default=True,
-    metavar="DEG/S",
-    help="Fastest turn.",
-)
-@click.option(
-    "--peak-force",
-    type=terminal.number_type(0),
-    default=0.0,
-    show_default=True,
-    metavar="G",
-    help="Largest specific force of manoeuvres.",
-)
-@click.option(
-    "--drift",
-    type=terminal.number_type(0, above=True),
-    metavar="DEG/H",
-    help="What coning may leave.",
-)
-@click.option(
-    "--force",
-    type=terminal.number_type(0, above=True),
-    metavar="UG",
-    help="What sculling may leave, micro-g.",
-)
-@click.option(
-    "--host-rate",
-    type=terminal.number_type(0, above=True),
-    default=100.0,
-    show_default=True,
-    metavar="HZ",
-    help="Results a second that the host wants at least.",
-)
+@advice.environment_options
+@advice.requirement_options
+@advice.budget_options
 @click.option(
     "--by",
     type=click.Choice(["work", "area"]),
@@ -91,7 +58,7 @@ _ASKED = ("coning", "peak_rate", "peak_force", "drift", "force", "host_rate", "b
 )
 @terminal.json_option
 def command(
-    design_name: str,
+    design_name: str | None,
     spectrum: str | None,
     show_all: bool,
     output: Path | None,
@@ -101,16 +68,31 @@ def command(
     """Find what to build for the sensor of DESIGN (a design file or a preset).
 
     Families, n, p, and increments summed to slower samples are tried; M is as large as the host's
-    rate and the fastest turn (0.05 rad a result) allow.  Under a vibration what is left is the
-    bound over all phases (see analyze vibration); under coning it includes the triple products.
-    Exit status 1 if nothing meets the requirement.
+    rate and the fastest turn (0.05 rad a result) allow.  Where a manoeuvre or position asks for
+    more, smaller M and high-resolution position are tried too.  Under a vibration what is left is
+    the bound over all phases (see analyze vibration); under coning it includes the triple
+    products.  --nmi-per-hour prints a navigator's budget, and asks for what it leaves the
+    algorithm; without DESIGN that is all.  Exit status 1 if nothing meets the requirement.
     """
+    navigator = advice.budget(asked)
+    if design_name is None:
+        if navigator is None:
+            raise click.UsageError("give a DESIGN, or --nmi-per-hour for a navigator's budget")
+        given = [output, spectrum, *(asked[k] for k in ("coning", "sculling", "manoeuvre_file"))]
+        if any(item is not None for item in given):
+            raise click.UsageError("what a sensor must bear needs its DESIGN, give it")
+        data: dict[str, Any] = {"budget": advice.budget_data(navigator)}
+        terminal.report(data, as_json, advice.budget_table(navigator))
+        return 0
     from sculler.runs.advice import find_designs, write_design
 
-    outcome = find_designs(_plan(design_name, spectrum, asked))
+    outcome = find_designs(_plan(design_name, spectrum, asked, navigator))
     good, bad = outcome.meet, outcome.fail
     data = outcome.as_json()
     tables: list[Any] = [_meets(good, len(good) if show_all else SHOWN)] if good else []
+    if navigator is not None:
+        data["budget"] = advice.budget_data(navigator)
+        tables.insert(0, advice.budget_table(navigator))
     wrote = []
     if output is not None and good:
         write_design(output, good[0].design)
@@ -127,34 +109,51 @@ def command(
     return 0 if good else NONE_MEETS
 
 
-def _plan(design_name: str, spectrum: str | None, asked: dict[str, Any]) -> Plan:
-    """What the options ask for."""
+def _plan(
+    design_name: str, spectrum: str | None, asked: dict[str, Any], navigator: Budget | None
+) -> Plan:
+    """What the options ask for; what a navigator leaves the algorithm where they are silent."""
     from sculler.formats.spectra import spectrum_of
     from sculler.runs.advice import Plan
+    from sculler_model.analysis.flight import Profile
 
+    file, wanted = asked["manoeuvre_file"], {name: asked[name] for name in _ASKED}
+    shaken = spectrum is not None
+    if navigator is not None:
+        for name, limit, there in (
+            ("drift", navigator.algorithm_drift, shaken or wanted["coning"]),
+            ("force", navigator.algorithm_force, shaken or wanted["sculling"]),
+            ("angle", navigator.algorithm_angle, file),
+        ):
+            if there and wanted[name] is None:
+                wanted[name] = limit
     return Plan(
         terminal.load_design(design_name),
         mount(asked),
         None if spectrum is None else spectrum_of(spectrum),
-        **{name: asked[name] for name in _ASKED},
+        manoeuvre=None if file is None else Profile.load(file),
+        **wanted,
     )
 
 
 def _columns(table: Table) -> None:
     table.add_column("family", no_wrap=True)
-    for column in ("n", "p", "M", "Hz"):
+    for column in ("n", "p", "l Hz", "m Hz", "n Hz"):
         table.add_column(column, justify="right", no_wrap=True)
 
 
 def _cells(candidate: Candidate) -> list[str]:
     algorithm = candidate.design.algorithm
+    rate = candidate.design.sensor.sample_rate_hz
     fitted = " fitted" if algorithm.match == "least-squares" else ""
+    fine = " fine" if algorithm.position == "high-resolution" else ""
     return [
-        algorithm.family + fitted,
+        algorithm.family + fitted + fine,
         str(algorithm.samples),
         str(algorithm.history),
-        str(algorithm.minors),
-        f"{candidate.design.sensor.sample_rate_hz:g}",
+        f"{rate:g}",
+        f"{rate / algorithm.samples:.4g}",
+        f"{1 / candidate.design.major_interval:.4g}",
     ]
 
 
@@ -164,11 +163,14 @@ def _meets(candidates: list[Candidate], count: int) -> Table:
     table = Table(
         title="[bold]designs that meet the requirement[/]",
         title_justify="left",
-        caption=f"{len(candidates) - count} more: --all" if len(candidates) > count else None,
+        caption=_caption(len(candidates) - count),
         caption_justify="left",
     )
     _columns(table)
-    for column in ("°/h", "µg", "rows", "mult/sample", "additions", "bits", "k area", "M work/s"):
+    paths = [name for name in _PATHS if any(getattr(c, name) is not None for c in candidates)]
+    for column in ("°/h", "µg", *(_PATHS[name][0] for name in paths)):
+        table.add_column(column, justify="right")
+    for column in ("mult/sample", "bits", "k area", "M work/s"):
         table.add_column(column, justify="right")
     for candidate in candidates[:count]:
         cost = candidate.cost
@@ -176,14 +178,22 @@ def _meets(candidates: list[Candidate], count: int) -> Table:
             *_cells(candidate),
             f"{candidate.drift:.2g}",
             "" if candidate.force is None else f"{candidate.force:.2g}",
-            str(cost.rows),
+            *(f"{getattr(candidate, name) * _PATHS[name][1]:.2g}" for name in paths),
             f"{cost.multiplications:.3g}",
-            str(cost.additions),
             str(cost.widest),
             f"{cost.area / 1e3:.1f}",
             f"{cost.work / 1e6:.2f}",
         )
     return table
+
+
+_PATHS = {"angle": ("°", 1.0), "velocity": ("m/s", 1.0), "position": ("cm", 100.0)}
+"""Heading and scale of what is left of manoeuvres and position."""
+
+
+def _caption(more: int) -> str:
+    told = f"{more} more: --all; " if more > 0 else ""
+    return told + "l samples, m minor intervals, n results a second; fine: high-resolution position"
 
 
 def _fails(candidates: list[Candidate], count: int) -> Table:

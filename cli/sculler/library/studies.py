@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from math import pi, radians
 
-from sculler_model.analysis import advice, closed_form
+import numpy as np
+
+from sculler_model.analysis import advice, frequency
 from sculler_model.analysis.advice import Candidate, Environment, Requirement
 from sculler_model.design import Design
 from sculler_model.errors import InputError
@@ -22,7 +24,7 @@ def coning_drift(design: Design, half_angle: float, hertz: float) -> float:
     (docs/explanation/analysis.md).
 
     Args:
-        design: its tap table, M, sample rate and kind count.
+        design: its tap table, M, sample rate, kind and sensor's filter count.
         half_angle: of the cone, degrees.
         hertz: frequency of the coning, Hz.
 
@@ -51,6 +53,7 @@ def coning_drift(design: Design, half_angle: float, hertz: float) -> float:
         2 * pi * hertz,
         design.sample_interval,
         design.sensor.kind,
+        design.sensor_response,
     )
     return drift * advice.PER_HOUR
 
@@ -61,7 +64,7 @@ def sculling_drift(design: Design, angle: float, force: float, hertz: float) -> 
     To second order in the amplitudes (Yang Eq. 5-9 with angle and velocity, docs/explanation).
 
     Args:
-        design: its tap table, sample rate and kind count.
+        design: its tap table, sample rate, kind and sensor's filter count.
         angle: amplitude of the rocking, degrees.
         force: amplitude of the specific force, m/s².
         hertz: frequency of both, Hz.
@@ -79,16 +82,8 @@ def sculling_drift(design: Design, angle: float, force: float, hertz: float) -> 
         True
     """
     _require_frequency(hertz)
-    omega = 2 * pi * hertz
-    rate = closed_form.drift_rate(
-        design.table,
-        radians(angle),
-        force / omega,
-        omega,
-        design.sample_interval,
-        design.sensor.kind,
-    )
-    return float(rate)
+    motion = frequency.Scull(radians(angle), force)
+    return float(frequency.drift(design, motion, np.array([float(hertz)]))[0])
 
 
 def advise(
@@ -98,8 +93,10 @@ def advise(
 
     Args:
         base: the sensor; its algorithm is not looked at.
-        environment: what it must bear: `sculler.Environment`, coning or a vibration.
-        requirement: what may be left: `sculler.Requirement`, °/h or µg.
+        environment: what it must bear: `sculler.Environment`, coning, sculling, a vibration, or
+            manoeuvres.
+        requirement: what may be left: `sculler.Requirement`, °/h or µg; attitude, velocity and
+            position.
         most_samples: n goes up to this.
 
     Returns:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from sculler_model.analysis.flight import Profile
 from sculler_model.analysis.vibration import Mount, Spectrum, respond
 from sculler_model.design import Design, at_another_rate
 
@@ -37,8 +38,11 @@ class Environment:
     Attributes:
         spectrum, mount: random vibration and the isolators, or None.
         half_angle, hertz: classical coning (rad, Hz), or 0.
+        sculling_angle, sculling_force, sculling_hertz: classical sculling (rad, m/s², Hz), or 0.
         peak_rate: largest angular rate of manoeuvres, rad/s.
-        peak_force: largest specific force of manoeuvres, m/s².
+        peak_force, force_ramp: largest specific force of manoeuvres and its rate of change, m/s²
+            and m/s³.
+        manoeuvre: one of them, point by point, or None.
 
     Examples:
         >>> import math, sculler
@@ -53,6 +57,11 @@ class Environment:
     hertz: float = 0.0
     peak_rate: float = 0.0
     peak_force: float = 0.0
+    sculling_angle: float = 0.0
+    sculling_force: float = 0.0
+    sculling_hertz: float = 0.0
+    force_ramp: float = 0.0
+    manoeuvre: Profile | None = None
 
 
 @dataclass(frozen=True)
@@ -63,6 +72,9 @@ class Requirement:
         drift: °/h, or None.
         force: µg, or None.
         host_rate: results a second that the host wants at least, Hz.
+        angle, velocity: of attitude (°) and velocity (m/s) at the end of the manoeuvre, or None.
+        position: m at the end of the manoeuvre, and over `seconds` under the peaks, or None.
+        seconds: s.
 
     Examples:
         >>> import sculler
@@ -73,6 +85,10 @@ class Requirement:
     drift: float | None = None
     force: float | None = None
     host_rate: float = 100.0
+    angle: float | None = None
+    velocity: float | None = None
+    position: float | None = None
+    seconds: float = 10.0
 
 
 def candidates(
@@ -172,7 +188,10 @@ def fitted_band(rate: float, environment: Environment) -> dict[str, Any] | None:
     """
     nyquist = 0.9 * rate / 2
     if environment.spectrum is None:
-        low, high = 0.8 * environment.hertz, min(1.25 * environment.hertz, nyquist)
+        tones = [f for f in (environment.hertz, environment.sculling_hertz) if f]
+        if not tones:
+            return None
+        low, high = 0.8 * min(tones), min(1.25 * max(tones), nyquist)
         return {"low_hz": low, "high_hz": high} if low < high else None
     worst = respond(environment.spectrum, environment.mount, WIDEST_BAND).worst_phase
     low, high = float(worst.frequency[0]), min(float(worst.frequency[-1]), nyquist)

@@ -63,12 +63,19 @@ def cost(design: Design) -> Cost:
     vectors += ["coning_between", "sculling_between"] * between
     registers = 3 * sum(getattr(words, vector).bits for vector in vectors)
     registers += 3 * table.history * (gyro.bits + accel.bits)
+    fine_cells = 0
+    if words.s_alpha and words.s_nu and words.scrolling:  # the pairs of Savage-98 Eq. 61 and 105
+        s_alpha, s_nu = words.s_alpha, words.s_nu
+        pairs = [(words.alpha, accel), (words.nu, gyro), (s_alpha, accel), (s_nu, gyro)]
+        fine_cells = products([*pairs, (words.alpha, words.nu)])
+        registers += 3 * sum(item.bits for item in (s_alpha, s_nu, words.scrolling))
+    # what a minor interval forms
     minor = len(rows) * within_cells + between_cells + sum(tap_cells)
     return Cost(
         rows=len(rows),
         additions=6 * sum(digits),
-        multiplications=18 * (len(rows) + between) / n,
+        multiplications=18 * (len(rows) + between) / n + (30 if fine_cells else 0),
         widest=max(getattr(words, vector).bits for vector in vectors),
-        area=within_cells + between_cells + sum(tap_cells) + registers,
-        work=minor * design.sensor.sample_rate_hz / n,
+        area=within_cells + between_cells + fine_cells + sum(tap_cells) + registers,
+        work=(minor / n + fine_cells) * design.sensor.sample_rate_hz,
     )

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import degrees, hypot, pi, sin
+from math import degrees, hypot, pi, sin, sqrt
 
 import numpy as np
 
+from sculler_model.analysis import frequency
 from sculler_model.analysis.advice.candidates import (
     MAX_TURN,
     WIDEST_BAND,
@@ -17,6 +18,7 @@ from sculler_model.analysis.advice.candidates import (
 )
 from sculler_model.analysis.advice.coning import coning_drift
 from sculler_model.analysis.advice.cost import Cost, cost
+from sculler_model.analysis.advice.paths import Path, Paths
 from sculler_model.analysis.vibration import (
     G,
     MountResponse,
@@ -42,6 +44,9 @@ class Candidate:
         cost: what it takes.
         faults: why it fails, in words; none if it meets everything.
         excess: largest ratio of what is left to what is allowed.
+        angle, velocity: left of the environment's manoeuvre, ° and m/s; None where there is none,
+            or where the design fails otherwise.
+        position: left of position, m, likewise.
 
     Examples:
         >>> import math, sculler
@@ -58,6 +63,9 @@ class Candidate:
     cost: Cost
     faults: tuple[str, ...]
     excess: float
+    angle: float | None = None
+    velocity: float | None = None
+    position: float | None = None
 
     @property
     def meets(self) -> bool:
@@ -88,20 +96,10 @@ def advise(
     Raises:
         InputError: there is nothing to hold against a requirement.
     """
-    if environment.spectrum is None and not environment.half_angle:
-        raise InputError(
-            "the environment: neither a vibration nor coning is given, give a spectrum or an"
-            " amplitude and a frequency"
-        )
-    if requirement.drift is None and requirement.force is None:
-        raise InputError("the requirement: give °/h, µg or both")
-    if environment.spectrum is None and requirement.force is not None:
-        raise InputError(
-            "the requirement: pure coning has no specific force to leave µg of, give a vibration"
-        )
+    _require_a_question(environment, requirement)
     judge = _Judge(environment, requirement)
     found = [
-        judge(design)
+        candidate
         for design in candidates(
             base,
             environment,
@@ -110,14 +108,54 @@ def advise(
             most_history=most_history,
             slowest=slowest,
         )
+        for candidate in judge.variants(design)
     ]
 
-    def rank(candidate: Candidate) -> tuple[bool, float]:
+    def rank(candidate: Candidate) -> tuple[bool, float, float]:
         if candidate.meets:
-            return False, float(getattr(candidate.cost, by))
-        return True, candidate.excess
+            # of two that cost the FPGA alike, what spares the host
+            return False, float(getattr(candidate.cost, by)), 1 / candidate.design.major_interval
+        return True, candidate.excess, 0.0
 
     return sorted(found, key=rank)
+
+
+def _require_a_question(environment: Environment, requirement: Requirement) -> None:
+    """See that environment and requirement go together.
+
+    Raises:
+        InputError: they do not; says what is missing.
+    """
+    e, r = environment, requirement
+    asked = (r.drift, r.force, r.angle, r.velocity, r.position)
+    if all(limit is None for limit in asked):
+        raise InputError(
+            "the requirement: give °/h, µg or both, or what manoeuvres and position may leave"
+        )
+    shaken = e.spectrum is not None
+    if not (shaken or e.half_angle or e.sculling_angle or e.manoeuvre or e.peak_force):
+        raise InputError(
+            "the environment: neither a vibration nor coning is given, give a spectrum or an"
+            " amplitude and a frequency"
+        )
+    if r.force is not None and not (shaken or e.sculling_angle):
+        raise InputError(
+            "the requirement: pure coning has no specific force to leave µg of, give a vibration"
+        )
+    if r.drift is not None and not (shaken or e.half_angle):
+        raise InputError(
+            "the requirement: there is no coning to leave °/h of, give coning or a vibration"
+        )
+    if (r.angle is not None or r.velocity is not None) and e.manoeuvre is None:
+        raise InputError(
+            "the requirement: attitude and velocity at the end of a manoeuvre need one, give it"
+        )
+    still = not (e.peak_force or e.force_ramp or e.sculling_force or e.manoeuvre)
+    if r.position is not None and still and not shaken:
+        raise InputError(
+            "the requirement: nothing moves the position, give a peak force, a manoeuvre, sculling"
+            " or a vibration"
+        )
 
 
 @dataclass(frozen=True)
@@ -140,26 +178,70 @@ class _Shaken:
         return cls(response.worst_phase, float(np.sqrt(swing.sum())), response.force_rms)
 
 
+def _variant(design: Design, minors: int, fine: bool = False) -> Design:
+    """A candidate with another M, or with high-resolution position too; its name says so."""
+    data = design.as_json()
+    before = f"_x{design.algorithm.minors}_"
+    data["name"] = design.name.replace(before, f"_x{minors}_") + "_fine" * fine
+    data["algorithm"] |= {"minors": minors} | ({"position": "high-resolution"} if fine else {})
+    return Design.parse(data)
+
+
 class _Judge:
     """Holds designs against environment and requirement."""
 
     def __init__(self, environment: Environment, requirement: Requirement) -> None:
         self.environment, self.requirement = environment, requirement
         self._shaken: dict[float, _Shaken] = {}
+        shaking = environment.sculling_force / sqrt(2), environment.sculling_hertz
+        random = environment.spectrum is not None
+        if environment.spectrum is not None:  # as Savage-98 has it, about the mount's resonance
+            response = respond(environment.spectrum, environment.mount, WIDEST_BAND)
+            shaking = response.force_rms, environment.mount.hz
+        self._paths = Paths(environment, requirement, shaking, random)
+        r = requirement
+        self._has_path = not (r.angle is None and r.velocity is None and r.position is None)
+
+    def variants(self, design: Design) -> Iterator[Candidate]:
+        """The design; and if only manoeuvres or position are too much for it, what mends that.
+
+        High-resolution position mends position; a smaller M, whose results come more often, all.
+        """
+        first = self(design)
+        yield first
+        if first.meets or (first.angle is None and first.position is None):
+            return
+        position = self.requirement.position
+        over = position is not None and first.position is not None and first.position > position
+        bases = [design]
+        if over and design.sensor.kind == "increment":
+            fine = _variant(design, design.algorithm.minors, fine=True)
+            found = self(fine)
+            yield found
+            bases += [] if found.meets else [fine]
+        for base in bases:
+            minors = base.algorithm.minors // 2
+            while minors:
+                found = self(_variant(base, minors))
+                if found.meets or minors == 1:
+                    yield found
+                    break
+                minors //= 2
 
     def __call__(self, design: Design) -> Candidate:
         drift, force = self._left(design)
-        faults = []
-        excess = 1.0
-        for what, left, allowed, unit in (
-            ("coning", drift, self.requirement.drift, "°/h"),
-            ("sculling", force, self.requirement.force, "µg"),
-        ):
-            if allowed is None or left is None:
-                continue
-            if not left <= allowed:
-                faults.append(f"{what} leaves {left:.3g} {unit}, over {allowed:g}")
-                excess = max(excess, left / allowed)
+        allowed = self.requirement
+        faults, excess = [], 1.0
+
+        def hold(what: str, left: float | None, limit: float | None, unit: str) -> None:
+            """Note a fault if more is left than allowed."""
+            nonlocal excess
+            if limit is not None and left is not None and not left <= limit:
+                faults.append(f"{what} leaves {left:.3g} {unit}, over {limit:g}")
+                excess = max(excess, left / limit)
+
+        hold("coning", drift, allowed.drift, "°/h")
+        hold("sculling", force, allowed.force, "µg")
         turn = self.environment.peak_rate * design.major_interval
         if turn > MAX_TURN * (1 + 1e-9):
             faults.append(
@@ -175,25 +257,49 @@ class _Judge:
             if needed > full:
                 faults.append(f"{name} needs {needed:.3g} counts, the word holds {full:.3g}")
                 excess = max(excess, needed / full)
-        return Candidate(design, drift, force, cost(design), tuple(faults), excess)
+        path = Path()
+        if self._has_path and not faults:
+            path = self._paths(design)
+            hold("the manoeuvre", path.angle, allowed.angle, "°")
+            hold("the manoeuvre", path.velocity, allowed.velocity, "m/s")
+            way = (
+                "high resolution" if design.algorithm.position == "high-resolution" else "trapezoid"
+            )
+            hold(f"position by {way}", path.position, allowed.position, "m")
+        return Candidate(design, drift, force, cost(design), tuple(faults), excess, *path)
 
     def _left(self, design: Design) -> tuple[float, float | None]:
         """Sizes of what is left: °/h and µg."""
         T, kind = design.sample_interval, design.sensor.kind
         if self.environment.spectrum is None:
-            drift = coning_drift(
-                design.table,
-                design.algorithm.minors,
-                self.environment.half_angle,
-                2 * pi * self.environment.hertz,
-                T,
-                kind,
-                design.sensor_response,
-            )
-            return abs(drift) * PER_HOUR, None
+            return self._cone(design), self._scull(design)
         bound = self._assembly(design).bound
         left = bound.errors(design.table, T, kind, design.sensor_response)
         return left.coning * PER_HOUR, hypot(*left.sculling.tolist()) / G * 1e6
+
+    def _cone(self, design: Design) -> float:
+        """Left of classical coning, °/h; 0 where there is none."""
+        if not self.environment.half_angle:
+            return 0.0
+        drift = coning_drift(
+            design.table,
+            design.algorithm.minors,
+            self.environment.half_angle,
+            2 * pi * self.environment.hertz,
+            design.sample_interval,
+            design.sensor.kind,
+            design.sensor_response,
+        )
+        return abs(drift) * PER_HOUR
+
+    def _scull(self, design: Design) -> float | None:
+        """Left of classical sculling, µg; None where there is none."""
+        e = self.environment
+        if not e.sculling_angle:
+            return None
+        motion = frequency.Scull(e.sculling_angle, e.sculling_force)
+        left = frequency.drift(design, motion, np.array([e.sculling_hertz]))
+        return abs(float(left[0])) / G * 1e6
 
     def _assembly(self, design: Design) -> _Shaken:
         assert self.environment.spectrum is not None
@@ -213,8 +319,11 @@ class _Judge:
             assembly = self._assembly(design)
             rate += 3 * assembly.rate_rms
             force += 3 * assembly.force_rms
-        elif self.environment.half_angle:
-            rate += 2 * pi * self.environment.hertz * sin(self.environment.half_angle)
+        else:
+            e = self.environment
+            rate += 2 * pi * e.hertz * sin(e.half_angle)
+            rate += 2 * pi * e.sculling_hertz * e.sculling_angle
+            force += e.sculling_force
         T = design.sample_interval if design.sensor.kind == "increment" else 1.0
         yield "the gyro", rate * T / design.sensor.gyro.lsb, float(design.words.gyro.hi)
         yield "the accelerometer", force * T / design.sensor.accel.lsb, float(design.words.accel.hi)
