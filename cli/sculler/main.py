@@ -31,6 +31,7 @@ VERBS = (
     "analyze",
     "advise",
     "place",
+    "soc",
     "demo",
 )
 """In the order of the work; verb V is the click command `command` of `sculler.commands.V`."""

@@ -2,7 +2,8 @@
 
 `Layout` describes a sensor's frames, the makers' own or a design's; `Link` is a sensor on its
 wire.  `Receiver` finds frames, `Sequence` puts samples in their places, `FrontModel` is both: the
-golden model that the hardware is held against.  Plain integers, and nothing of the core.
+golden model that the hardware is held against; `frame_of` is the sensor's side of the wire.  Plain
+integers, and nothing of the core.
 """
 
 from sculler_model.front.layout import Check, Counter, Flags, Kind, Layout, Number
@@ -22,6 +23,7 @@ from sculler_model.front.makers import (
 )
 from sculler_model.front.model import FrontModel
 from sculler_model.front.receiver import Receiver
+from sculler_model.front.sender import frame_of
 from sculler_model.front.sequence import FrontCounters, FrontSample, Sequence
 
 __all__ = [
@@ -48,6 +50,7 @@ __all__ = [
     "adis",
     "adis_registers",
     "adis_requests",
+    "frame_of",
     "hg4930",
     "stim300",
 ]

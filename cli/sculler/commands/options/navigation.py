@@ -215,11 +215,7 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
     refuse_contradictions(options, called=lambda name: f"--{name.replace('_', '-')}")
     noise, gravity = sensor_noise(options), gravity_model(options["gravity"])
     if truth is None:
-        for name in _PLACE:
-            if options[name] is None:
-                raise click.UsageError(
-                    f"Missing option '--{name}' (or --truth, which says where the run begins)"
-                )
+        require_place(options)
     reference, damping = _height_reference(options), options["height_damping"]
     if damping is None and reference is not None:
         damping = DAMPING
@@ -227,7 +223,7 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
     return Plan(
         design,
         vectors,
-        _given(options),
+        given_state(options),
         carrier,
         axes,
         start=options["start"],
@@ -266,7 +262,20 @@ def sensor_noise(options: Options) -> SensorNoise:
     )
 
 
-def _given(options: Options) -> Given:
+def require_place(options: Options) -> None:
+    """See that the options tell the initial position, as nothing else does.
+
+    Raises:
+        UsageError: one is missing.
+    """
+    for name in _PLACE:
+        if options[name] is None:
+            raise click.UsageError(
+                f"Missing option '--{name}' (or --truth, which says where the run begins)"
+            )
+
+
+def given_state(options: Options) -> Given:
     """The initial state as the options tell it, as far as they do."""
     from sculler.runs.navigation import Given
 
