@@ -57,7 +57,7 @@ class HostInC:
 
     def third_order(self) -> ctypes.Array[ctypes.c_char]:
         """Memory of the third-order correction, at its beginning."""
-        return ctypes.create_string_buffer(64)
+        return ctypes.create_string_buffer(128)
 
     def increments(
         self,

@@ -19,7 +19,7 @@ from sculler_model.host.scaling import (
     second_order_corrections,
     uncorrected,
 )
-from sculler_model.host.third_order import ThirdOrder, third_order_terms
+from sculler_model.host.third_order import ThirdOrder, third_order_terms, velocity_terms
 
 __all__ = [
     "MajorIncrements",
@@ -36,4 +36,5 @@ __all__ = [
     "uncorrected",
     "velocity_higher_orders",
     "velocity_rotation",
+    "velocity_terms",
 ]

@@ -30,34 +30,51 @@ def velocity_rotation(alpha: Array, upsilon: Array) -> Array:
 
 
 def velocity_higher_orders(
-    alpha: Array, sculling: Array, scrolling: Array, interval: float
+    alpha: Array,
+    upsilon: Array,
+    s_alpha: Array,
+    s_upsilon: Array,
+    sculling: Array,
+    scrolling: Array,
+    interval: float,
 ) -> Array:
-    """What ΔV_SF lacks beyond second order where the body turns steadily, whatever the force does.
+    """What ΔV_SF lacks beyond second order, whether or not the axis of the rate turns.
 
-    At a constant rate, α(t) = α t/T, sculling and scrolling are α × moments of the force about the
-    interval's start.  With m_k = ∫ t^k f dt,
+    The double integrals hold the slopes of rate and force over the interval, b T² = 6α - 12 S_α/T
+    (α2) and likewise υ2.  Of straight lines, with α1 = α and υ1 = υ, Eq. 51 and sculling leave
 
-        ΔV_scul = α×(m_1/T - m_0/2)         d = 7/6 ΔV_scul - ΔR_scrl/T = α×(m_2/T² - m_0/3)
+        [α1×(α1×υ2) - α2×(α1×υ1)]/24                                              T⁴
+        + α1×(α2×υ2)/240 - α2×(α1×υ2)/120 + α2×(α2×υ1)/240                        T⁵
+        + α1×[α1×(α1×υ2)/80 + α1×(α2×υ1)/240 - α2×(α1×υ1)/240] - α2×(α1×(α1×υ1))/80
 
-    and what Eq. 51 leaves of the third and fourth order is
+    What sculling and scrolling have beyond straight lines, σ and ρ, is taken for a force that does
+    as it likes while the body turns steadily; in the moments of such a force, d = 7/6 σ - ρ/T,
 
-        ½ α×(α×(m_2/T² - m_0/3)) + 1/6 α×(α×(α×(m_3/T³ - m_0/4)))
-            = ½ α×d + α×(α×(d/4 - ΔV_scul/10))
+        ½ α×d + α×(α×(d/4 - σ/10))
 
-    exactly in third order; in fourth with m_3 as a force has that is a parabola over the interval,
-    m_3/T³ = 3/2 m_2/T² - 3/5 m_1/T + m_0/20.  Constant rate and force give 0.
+    which is exact in the third order of products and, in the fourth, for a force that is a
+    parabola.  Where both curve, terms of T⁵ are left.  Constant rate and force give 0.
 
     Args:
-        alpha: (R, 3) integral of the angular rate, rad.
+        alpha, upsilon: (R, 3) integrals of angular rate (rad) and specific force (m/s).
+        s_alpha, s_upsilon: (R, 3) their running integrals (Savage-98 Eq. 85), rad·s and m.
         sculling, scrolling: (R, 3) ΔV_scul, m/s, and ΔR_scrl, m.
         interval: T, length of a major interval, s.
 
     Returns:
         (R, 3) m/s, in the body frame at the start of the interval.
     """
-    d = 7 / 6 * sculling - scrolling / interval
-    fourth = np.cross(alpha, d / 4 - sculling / 10)
-    result: Array = np.cross(alpha, d / 2 + fourth)
+    alpha2 = 6 * alpha - 12 * s_alpha / interval
+    upsilon2 = 6 * upsilon - 12 * s_upsilon / interval
+    av, au2 = np.cross(alpha, upsilon), np.cross(alpha, upsilon2)
+    a2u, a2u2 = np.cross(alpha2, upsilon), np.cross(alpha2, upsilon2)
+    sigma = sculling - (au2 - a2u) / 12
+    rho = scrolling / interval - (au2 / 72 - a2u / 36 + a2u2 / 240)
+    d = 7 / 6 * sigma - rho
+    inner = au2 / 80 + a2u / 240 + d / 4 - sigma / 10
+    first = au2 / 24 + a2u2 / 240 + d / 2 + np.cross(alpha, inner) - np.cross(alpha2, av) / 240
+    second = av / 24 + au2 / 120 - a2u / 240 + np.cross(alpha, av) / 80
+    result: Array = np.cross(alpha, first) - np.cross(alpha2, second)
     return result
 
 

@@ -57,8 +57,8 @@ def major_increments(
     Args:
         design: the design.
         block: consecutive major intervals.
-        third_order: correct φ as `ThirdOrder` does, which says when that helps; the block's first
-            two intervals stay as they are.
+        third_order: correct φ and ΔV_SF as `ThirdOrder` does, which says when that helps; the
+            block's first two intervals stay as they are.
 
     Returns:
         The increments, with the block's status and, where it has them, its times.
@@ -169,7 +169,9 @@ def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
     scrolling = block.vector("scrolling").astype(np.float64)
     scrolling *= a * g * T / SCROLLING_DENOMINATOR
     sculling = units.sculling * _correction(block, "sculling", units)
-    higher = velocity_higher_orders(alpha, sculling, scrolling, design.major_interval)
+    higher = velocity_higher_orders(
+        alpha, upsilon, s_alpha, s_upsilon, sculling, scrolling, design.major_interval
+    )
     return replace(
         increments,
         dv_sf=increments.dv_sf + higher,

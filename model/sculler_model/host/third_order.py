@@ -1,4 +1,4 @@
-"""The third-order terms of the rotation vector, from the increments of three major intervals."""
+"""Terms of third order, from the increments of three major intervals: of φ and of ΔV_SF."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 class ThirdOrder:
-    """The triple products of the rotation vector equation, from what is handed over alone.
+    """The triple products of rotation vector and velocity, from what is handed over alone.
 
     The core's φ is of second order (Savage-20 Eq. 2 against Eq. 3).  If the rate is a smooth
     function over three major intervals, their α show its slope and curvature, and with them what
@@ -28,18 +28,25 @@ class ThirdOrder:
     """
 
     def __init__(self) -> None:
-        self._before = np.zeros((0, 3))
+        self._before = np.zeros((2, 0, 3))
 
     def __call__(self, increments: MajorIncrements) -> MajorIncrements:
-        """The increments with φ corrected; the first two whole intervals stay as they are."""
+        """The increments, corrected; the first two whole intervals stay as they are."""
         first = increments.leading_short
-        before = np.zeros((0, 3)) if first else self._before
-        alpha = np.concatenate((before, increments.alpha[first:]))
-        self._before = alpha[-2:]
+        turns, velocities = increments.alpha[first:], increments.dv_sf[first:]
+        # in the body's own axes, to second order
+        now = np.stack((turns, velocities - 0.5 * np.cross(turns, velocities)))
+        before = np.zeros((2, 0, 3)) if first else self._before
+        alpha, upsilon = both = np.concatenate((before, now), axis=1)
+        self._before = both[:, -2:]
         terms = third_order_terms(alpha)
         phi = increments.phi.copy()
         phi[len(phi) - len(terms) :] += terms
-        return replace(increments, phi=phi)
+        if increments.dr_sf is not None:
+            return replace(increments, phi=phi)
+        dv_sf = increments.dv_sf.copy()
+        dv_sf[len(dv_sf) - len(terms) :] += velocity_terms(alpha, upsilon)
+        return replace(increments, phi=phi, dv_sf=dv_sf)
 
 
 def third_order_terms(alpha: Array) -> Array:
@@ -57,12 +64,7 @@ def third_order_terms(alpha: Array) -> Array:
     Returns:
         (R - 2, 3) rad for the intervals from the third on; none if there are fewer.
     """
-    if len(alpha) < 3:
-        return np.zeros((0, 3))
-    oldest, before, now = alpha[:-2], alpha[1:-1], alpha[2:]
-    alpha2 = 1.5 * now - 2 * before + 0.5 * oldest
-    alpha3 = 0.5 * now - before + 0.5 * oldest
-    alpha1 = now - alpha3 / 12
+    alpha1, alpha2, alpha3 = _parabola(alpha)
     once = np.cross(alpha1, alpha2)
     terms: Array = (
         np.cross(alpha1, np.cross(alpha1, alpha3)) / 360
@@ -70,3 +72,44 @@ def third_order_terms(alpha: Array) -> Array:
         - np.cross(alpha1, np.cross(alpha1, once)) / 720
     )
     return terms
+
+
+def velocity_terms(alpha: Array, upsilon: Array) -> Array:
+    """What ΔV_SF of second order lacks where rate and force are parabolas over three intervals.
+
+    With α1 = aT, α2 = bT², α3 = cT³ of ω = a + bτ + cτ², and υ1, υ2, υ3 of the specific force
+    likewise, τ from the middle of an interval,
+
+        ΔV_SF - (υ + ΔV_rot + ΔV_scul) =
+            [α1×(α1×υ2) - α2×(α1×υ1)]/24
+            + α1×(α1×υ3)/360 + α1×(α2×υ2)/240 - α1×(α3×υ1)/180
+            - α2×(α1×υ2)/120 + α2×(α2×υ1)/240 + α3×(α1×υ1)/360
+            + α1×[α1×(α1×υ2)/80 + α1×(α2×υ1)/240 - α2×(α1×υ1)/240] - α2×(α1×(α1×υ1))/80 + O(T⁶)
+
+    the third and fourth order of the series of nested integrals ∫ω×∫ω× ... f.
+
+    Args:
+        alpha, upsilon: (R, 3) integrals of rate (rad) and specific force (m/s) in body axes, of
+            consecutive intervals.
+
+    Returns:
+        (R - 2, 3) m/s for the intervals from the third on; none if there are fewer.
+    """
+    (a1, a2, a3), (u1, u2, u3) = _parabola(alpha), _parabola(upsilon)
+    once, slope, turned = np.cross(a1, u1), np.cross(a1, u2), np.cross(a2, u1)
+    inner = slope / 80 + turned / 240
+    first = slope / 24 + np.cross(a1, u3) / 360 + np.cross(a2, u2) / 240 - np.cross(a3, u1) / 180
+    first = first + np.cross(a1, inner) - np.cross(a2, once) / 240
+    second = once / 24 + slope / 120 - turned / 240 + np.cross(a1, once) / 80
+    terms: Array = np.cross(a1, first) - np.cross(a2, second) + np.cross(a3, once) / 360
+    return terms
+
+
+def _parabola(sums: Array) -> tuple[Array, Array, Array]:
+    """aT, bT² and cT³ at the middles of the intervals from the third on, of integrals over all."""
+    oldest, before, now = sums[:-2], sums[1:-1], sums[2:]
+    if len(sums) < 3:
+        oldest = before = now
+    second = 1.5 * now - 2 * before + 0.5 * oldest
+    third = 0.5 * now - before + 0.5 * oldest
+    return now - third / 12, second, third

@@ -160,15 +160,53 @@ static sculler_vector velocity_rotation(sculler_vector alpha, sculler_vector ups
         sculler_times(one_minus_cosine(angle), first), second, one_minus_sine(angle));
 }
 
-/* What dV_SF lacks beyond second order where the body turns steadily, whatever the force does. */
-static sculler_vector velocity_higher_orders(
-    sculler_vector alpha, sculler_vector sculling, sculler_vector scrolling, double interval)
+/* Cross product over a number. */
+static sculler_vector cross_per(sculler_vector a, sculler_vector b, double divisor)
 {
-    sculler_vector d =
-        sculler_plus(sculler_times(7.0 / 6.0, sculling), sculler_per(scrolling, interval), -1.0);
-    sculler_vector inner = sculler_plus(sculler_per(d, 4.0), sculler_per(sculling, 10.0), -1.0);
-    sculler_vector fourth = sculler_cross(alpha, inner);
-    return sculler_cross(alpha, sculler_plus(sculler_per(d, 2.0), fourth, 1.0));
+    return sculler_per(sculler_cross(a, b), divisor);
+}
+
+static sculler_vector less(sculler_vector a, sculler_vector b)
+{
+    return sculler_plus(a, b, -1.0);
+}
+
+static sculler_vector added(sculler_vector a, sculler_vector b)
+{
+    return sculler_plus(a, b, 1.0);
+}
+
+/* b T^2 of a straight line a + b t over an interval, of its integral and double integral. */
+static sculler_vector slope_of(sculler_vector once, sculler_vector twice, double interval)
+{
+    return less(sculler_times(6.0, once), sculler_per(sculler_times(12.0, twice), interval));
+}
+
+/* What dV_SF lacks beyond second order: of straight lines of rate and force, whose slopes the double
+ * integrals hold; what sculling and scrolling have beyond these is taken for a force that does as it
+ * likes while the body turns steadily. */
+static sculler_vector velocity_higher_orders(
+    sculler_vector alpha,
+    sculler_vector upsilon,
+    sculler_vector alpha2,
+    sculler_vector upsilon2,
+    sculler_vector sculling,
+    sculler_vector scrolled)
+{
+    sculler_vector av = sculler_cross(alpha, upsilon), au2 = sculler_cross(alpha, upsilon2);
+    sculler_vector a2u = sculler_cross(alpha2, upsilon), a2u2 = sculler_cross(alpha2, upsilon2);
+    sculler_vector sigma = less(sculling, sculler_per(less(au2, a2u), 12.0));
+    sculler_vector lines = added(
+        less(sculler_per(au2, 72.0), sculler_per(a2u, 36.0)), sculler_per(a2u2, 240.0));
+    sculler_vector d = less(sculler_times(7.0 / 6.0, sigma), less(scrolled, lines));
+    sculler_vector inner = added(sculler_per(au2, 80.0), sculler_per(a2u, 240.0));
+    inner = less(added(inner, sculler_per(d, 4.0)), sculler_per(sigma, 10.0));
+    sculler_vector first = added(sculler_per(au2, 24.0), sculler_per(a2u2, 240.0));
+    first = added(added(first, sculler_per(d, 2.0)), sculler_cross(alpha, inner));
+    first = less(first, cross_per(alpha2, av, 240.0));
+    sculler_vector second = added(sculler_per(av, 24.0), sculler_per(au2, 120.0));
+    second = added(less(second, sculler_per(a2u, 240.0)), cross_per(alpha, av, 80.0));
+    return less(sculler_cross(alpha, first), sculler_cross(alpha2, second));
 }
 
 /* dR_rot, exact for constant rate and specific force (Savage-98 Eq. 99). */
@@ -220,7 +258,10 @@ void sculler_increments_of(
     sculler_vector s_alpha = sculler_times(scales->s_alpha, sums->s_alpha);
     sculler_vector s_upsilon = sculler_times(scales->s_nu, sums->s_nu);
     sculler_vector scrolling = sculler_times(scales->scrolling, sums->scrolling);
-    sculler_vector higher = velocity_higher_orders(alpha, sculling, scrolling, scales->interval);
+    sculler_vector higher = velocity_higher_orders(
+        alpha, upsilon, slope_of(alpha, s_alpha, scales->interval),
+        slope_of(upsilon, s_upsilon, scales->interval), sculling,
+        sculler_per(scrolling, scales->interval));
     sculler_vector turned = position_rotation(alpha, upsilon, s_alpha, s_upsilon, angle);
     increments->dv_sf = sculler_plus(increments->dv_sf, higher, 1.0);
     increments->dr_sf = sculler_plus(sculler_plus(s_upsilon, turned, 1.0), scrolling, 1.0);
@@ -248,38 +289,72 @@ void sculler_in_axes(const sculler_axes *axes, sculler_increments *increments)
     increments->dr_sf = to_body(axes, increments->dr_sf);
 }
 
-/* With w = a + bt + ct^2 over three intervals, t from the middle of the last one,
+/* aT, bT^2 and cT^3 of a parabola a + bt + ct^2 at the middle of the last of three intervals, of its
+ * integrals over them. */
+typedef struct {
+    sculler_vector first, second, third;
+} parabola;
+
+static parabola parabola_of(sculler_vector oldest, sculler_vector before, sculler_vector now)
+{
+    parabola p;
+    p.second = sculler_plus(sculler_plus(sculler_times(1.5, now), before, -2.0), oldest, 0.5);
+    p.third = sculler_plus(less(sculler_times(0.5, now), before), oldest, 0.5);
+    p.first = less(now, sculler_per(p.third, 12.0));
+    return p;
+}
+
+/* With the rate a parabola over three intervals,
  *
  *     phi - (alpha + 1/2 int alpha x w) = a1x(a1xa3)/360 - a2x(a1xa2)/240 - a1x(a1x(a1xa2))/720
  *
  * the third- and fourth-order terms of the Magnus series for a rate in body axes. */
-static sculler_vector third_order_terms(
-    sculler_vector oldest, sculler_vector before, sculler_vector now)
+static sculler_vector third_order_terms(const parabola *a)
 {
-    sculler_vector alpha2 = sculler_plus(
-        sculler_plus(sculler_times(1.5, now), before, -2.0), oldest, 0.5);
-    sculler_vector alpha3 = sculler_plus(
-        sculler_plus(sculler_times(0.5, now), before, -1.0), oldest, 0.5);
-    sculler_vector alpha1 = sculler_plus(now, sculler_per(alpha3, 12.0), -1.0);
-    sculler_vector once = sculler_cross(alpha1, alpha2);
-    sculler_vector first = sculler_cross(alpha1, sculler_cross(alpha1, alpha3));
-    sculler_vector second = sculler_cross(alpha2, once);
-    sculler_vector third = sculler_cross(alpha1, sculler_cross(alpha1, once));
-    return sculler_plus(
-        sculler_plus(sculler_per(first, 360.0), sculler_per(second, 240.0), -1.0),
-        sculler_per(third, 720.0),
-        -1.0);
+    sculler_vector once = sculler_cross(a->first, a->second);
+    sculler_vector first = sculler_cross(a->first, sculler_cross(a->first, a->third));
+    sculler_vector second = sculler_cross(a->second, once);
+    sculler_vector third = sculler_cross(a->first, sculler_cross(a->first, once));
+    return less(
+        less(sculler_per(first, 360.0), sculler_per(second, 240.0)), sculler_per(third, 720.0));
+}
+
+/* The third and fourth order of int w x int w x ... f, less what Eq. 51 and sculling have of it, with
+ * rate and force parabolas over three intervals (sculler_model.host.velocity_terms). */
+static sculler_vector velocity_terms(const parabola *a, const parabola *u)
+{
+    sculler_vector once = sculler_cross(a->first, u->first);
+    sculler_vector slope = sculler_cross(a->first, u->second);
+    sculler_vector turned = sculler_cross(a->second, u->first);
+    sculler_vector inner = added(sculler_per(slope, 80.0), sculler_per(turned, 240.0));
+    sculler_vector first = added(sculler_per(slope, 24.0), cross_per(a->first, u->third, 360.0));
+    first = added(first, cross_per(a->second, u->second, 240.0));
+    first = less(first, cross_per(a->third, u->first, 180.0));
+    first = less(
+        added(first, sculler_cross(a->first, inner)), cross_per(a->second, once, 240.0));
+    sculler_vector second = added(sculler_per(once, 24.0), sculler_per(slope, 120.0));
+    second = added(less(second, sculler_per(turned, 240.0)), cross_per(a->first, once, 80.0));
+    return added(
+        less(sculler_cross(a->first, first), sculler_cross(a->second, second)),
+        cross_per(a->third, once, 360.0));
 }
 
 void sculler_third_order_correct(sculler_third_order *memory, sculler_increments *increments)
 {
-    sculler_vector now = increments->alpha;
+    sculler_vector alpha = increments->alpha, dv_sf = increments->dv_sf;
+    sculler_vector upsilon = less(dv_sf, sculler_times(0.5, sculler_cross(alpha, dv_sf)));
     if (memory->seen >= 2u) {
-        sculler_vector terms = third_order_terms(memory->oldest, memory->before, now);
-        increments->phi = sculler_plus(increments->phi, terms, 1.0);
+        parabola a = parabola_of(memory->oldest, memory->before, alpha);
+        increments->phi = added(increments->phi, third_order_terms(&a));
+        if (!increments->displaced) { /* else it has its higher orders already */
+            parabola u = parabola_of(memory->oldest_force, memory->force_before, upsilon);
+            increments->dv_sf = added(dv_sf, velocity_terms(&a, &u));
+        }
     } else {
         memory->seen += 1u;
     }
     memory->oldest = memory->before;
-    memory->before = now;
+    memory->before = alpha;
+    memory->oldest_force = memory->force_before;
+    memory->force_before = upsilon;
 }

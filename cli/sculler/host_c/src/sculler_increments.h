@@ -78,14 +78,15 @@ typedef struct {
 
 void sculler_in_axes(const sculler_axes *axes, sculler_increments *increments);
 
-/* The third-order terms of the rotation vector, from three consecutive intervals.  All zero is its
- * beginning; begin anew after a break. */
+/* The third-order terms of rotation vector and velocity, from three consecutive intervals.  All zero
+ * is its beginning; begin anew after a break. */
 typedef struct {
-    sculler_vector oldest, before;
+    sculler_vector oldest, before;             /* integrals of the rate, rad */
+    sculler_vector oldest_force, force_before; /* of the specific force, body axes, m/s */
     uint32_t seen;
 } sculler_third_order;
 
-/* Correct phi; the first two intervals stay as they are. */
+/* Correct phi and, where there is no dR_SF, dV_SF; the first two intervals stay as they are. */
 void sculler_third_order_correct(sculler_third_order *memory, sculler_increments *increments);
 
 #ifdef __cplusplus
