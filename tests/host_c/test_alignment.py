@@ -72,7 +72,8 @@ def test_both_stages(seconds: float, lat: float, noise: SensorNoise) -> None:
     for name, value in vars(expected.coarse.noise).items():
         assert value is None or getattr(coarse.noise, name) == pytest.approx(value, rel=1e-9), name
     size = float(np.linalg.norm(expected.gyro_bias))
-    assert found.gyro_bias == pytest.approx(expected.gyro_bias, abs=1e-7 * size)
+    # of 10 s it comes of differences that rounding moves by 1e-7 of it, more or less by machine
+    assert found.gyro_bias == pytest.approx(expected.gyro_bias, abs=3e-7 * size)
     sigma = expected.gyro_bias_sigma
     assert found.gyro_bias_sigma == pytest.approx(sigma, rel=1e-9, nan_ok=True)
     assert found.surprise == pytest.approx(expected.surprise, rel=1e-9)
