@@ -72,7 +72,7 @@ fuzz: $(READY)
 # The floors are those of pyproject.toml, found by uv.  First without any extra, then with all.
 LOWEST := .venv-lowest
 UV     := $(LOWEST)/bin/uv pip install --quiet --python $(LOWEST)/bin/python
-EXTRAS := sim,plots,formats,fast,frames,place,soc,package
+EXTRAS := sim,plots,formats,campaign,fast,frames,place,soc,package
 
 test-lowest:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info >= (3, 13))' || \

@@ -36,6 +36,7 @@ COMMANDS = {
     " --accel-unit m/s2 --axes RFU",
     "motion": "motion turn --design little.toml -o imu.csv --truth t.csv --duration 1",
     "navigate": "navigate little.toml v.csv -o nav.csv --report nav.html --truth truth.csv",
+    "campaign": "campaign campaign.toml -o campaign --workers 1",
     "align": "navigate little.toml v.csv -o nav.csv --lat 47 --lon 8 --height 1 --align 20",
     "coning": "analyze coning little.toml --points 20 --integer-points 2",
     "sculling": "analyze sculling little.toml --points 20 --integer-points 2",
@@ -50,9 +51,20 @@ COMMANDS = {
 }
 
 
+CAMPAIGN = """
+runs = 2
+seconds = 1.0
+[motion]
+name = "turn"
+[[design]]
+file = "little.toml"
+"""
+
+
 def prepare(folder: Path) -> None:
     """Write what the commands read into a folder."""
     (folder / "little.toml").write_text(DESIGN)
+    (folder / "campaign.toml").write_text(CAMPAIGN)
     (folder / "small.toml").write_text(DESIGN + SMALL)
     rows = ["0,0,0,0,0,-980"] * 24
     header = "gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z"

@@ -24,7 +24,7 @@ from readme_renderer import markdown
 ROOT = Path(__file__).resolve().parents[1]
 OUTPUT = ROOT / "build" / "release"
 SOURCES = ("cli/", "hdl/", "model/", "sim/")
-EXTRAS = "sim,plots,formats,fast,frames,place"
+EXTRAS = "sim,plots,formats,campaign,fast,frames,place"
 TESTERS = ("pytest>=8.2,<10", "pytest-xdist>=3.5,<4", "hypothesis>=6.100,<7")
 
 

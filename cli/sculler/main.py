@@ -28,6 +28,7 @@ VERBS = (
     "convert",
     "motion",
     "navigate",
+    "campaign",
     "analyze",
     "advise",
     "place",

@@ -88,7 +88,7 @@ def run(folder: Path, sculler: list[object]) -> Run:
     return run
 
 
-VERBS = [verb for verb in every_verb.COMMANDS if verb != "place"]
+VERBS = [verb for verb in every_verb.COMMANDS if verb not in ("place", "campaign")]
 MORE_STUDIES = ("sculling", "manoeuvre", "vibration", "quantisation", "third-order")
 
 
@@ -123,6 +123,7 @@ def test_what_is_left_out_is_in_the_json_too(folder: Path, run: Run) -> None:
 
 NEEDED = {
     "place": (every_verb.COMMANDS["place"], "place"),
+    "campaign": (every_verb.COMMANDS["campaign"], "campaign"),
     "wanted picture": ("analyze coning little.toml -o coning.png", "plots"),
     "wanted Verilator": ("simulate little.toml log.csv -o o.csv --engine verilator", "sim"),
     "MAT": ("convert x.mat -o o.csv --design little.toml --variable imu --gyro-unit rad"

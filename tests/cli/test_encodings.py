@@ -17,7 +17,7 @@ from sculler.main import main
 QUICK = {
     verb: [*command.split(), *["--no-plots"] * command.startswith("navigate")]
     for verb, command in every_verb.COMMANDS.items()
-    if verb not in ("place", "demo")
+    if verb not in ("place", "demo", "campaign")
 }
 
 

@@ -57,6 +57,8 @@ TARGETS = (
     Target("design-motion", "hires.toml", MOTION.format("turn --design {}"), 2),
     Target("design-analyze", "inc.toml", "analyze coning {} --points 20 --integer-points 2", 4),
     Target("design-generate", "tiny.toml", "generate {} -o out", 20, programs=True),
+    Target("points", "truth.csv", "motion --from {} --design inc.toml -o out.csv --truth t.csv", 4),
+    Target("campaign", "campaign.toml", "campaign {} -o out --dry-run", 2),
     Target("response", "response.csv", "coefficients --design tuned.toml", 2),
     Target("spectrum", "psd.csv", "analyze vibration inc.toml --spectrum {}", 4),
     Target("spectrum-advise", "psd.csv", ADVISE, 10),
@@ -176,6 +178,10 @@ def examples(folder: Path) -> dict[str, bytes]:
         (folder / f"{name}.toml").write_text(text)
     (folder / "response.csv").write_text(
         "freq_hz,gain\n" + "".join(f"{f},{1 / (1 + (f / 60) ** 2):.6f}\n" for f in range(0, 60, 5))
+    )
+    (folder / "campaign.toml").write_text(
+        'runs = 2\nseconds = 0.5\n[motion]\nname = "turn"\n[[design]]\nfile = "inc.toml"\n'
+        "errors = { gyro = { random_walk = 0.1, bias = { sigma = 2 } } }\n"
     )
     (folder / "psd.csv").write_text("freq_hz,psd_g2_per_hz\n2,0.01\n10,0.04\n40,0.001\n")
     rng = np.random.default_rng(1)

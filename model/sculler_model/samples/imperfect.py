@@ -20,7 +20,7 @@ from averages over ten samples on.
 
 from __future__ import annotations
 
-from math import exp, log, pi, radians, sqrt
+from math import exp, expm1, log, log2, pi, radians, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +76,7 @@ class _Axes:
             size = unit * errors.flicker * sqrt(log(_RATIO) / pi)
             tau, number = interval / 2, 8
             while tau < _RATIO * _LONGEST:
-                part = _Markov(size, tau, interval, self._generator(number))
+                part = _Markov(size, tau, interval, self._generator(number), 64.0)
                 self._wandering.append(part)
                 tau, number = _RATIO * tau, number + 1
         self._step = unit * (errors.rate_random_walk or 0.0) * sqrt(interval / _HOUR)
@@ -114,26 +114,49 @@ class _Axes:
 
 
 class _Markov:
-    """(E3) for three axes, stationary from the first sample on."""
+    """(E3) for three axes, stationary from the first sample on.
+
+    A slow one is worked out every so many samples, a power of two and at most τ/256 or, in flicker,
+    τ/64, and held between them.
+    """
 
     def __init__(
-        self, sigma: float, tau: float, interval: float, generator: np.random.Generator
+        self,
+        sigma: float,
+        tau: float,
+        interval: float,
+        generator: np.random.Generator,
+        a_time: float = 256.0,
     ) -> None:
-        self._keep = exp(-interval / tau)
-        self._gain = sigma * sqrt(-np.expm1(-2 * interval / tau))
+        self._hold = 1 << int(max(0.0, log2(tau / (a_time * interval))))
+        steps = self._hold * interval / tau
+        self._keep = exp(-steps)
+        self._gain = sigma * sqrt(-expm1(-2 * steps))
         self._generator = generator
         self._state = sigma * generator.standard_normal(3)
+        self._taken = 0
 
     def __call__(self, many: int) -> Array:
         """The next values (N, 3)."""
+        first, last = self._taken // self._hold, (self._taken + many - 1) // self._hold
+        known = self._taken % self._hold != 0  # the first value is the latest one's
+        fresh = self._next(last - first + 1 - known)
+        values = np.vstack((self._state, fresh)) if known else fresh
+        place = (self._taken + np.arange(many)) // self._hold - first
+        self._state, self._taken = values[-1].copy(), self._taken + many
+        return values if self._hold == 1 else values[place]
+
+    def _next(self, many: int) -> Array:
+        """The next values, each of them worked out."""
         values = self._gain * self._generator.standard_normal((many, 3))
+        if not many:
+            return values
         values[0] += self._keep * self._state
         # x_k = Σ φ^(k-j) w_j by doubling: after each round sums of twice as many are there
         reach = 1
         while reach < many and self._keep**reach > 1e-18:
             values[reach:] += self._keep**reach * values[:-reach].copy()
             reach *= 2
-        self._state = values[-1].copy()
         return values
 
 

@@ -1,0 +1,9 @@
+"""Campaigns: many runs of a motion through imperfect sensors, exact cores and the navigator.
+
+`Campaign` is the file; `run_campaign` flies it and writes results, statistics and pictures.
+"""
+
+from sculler.runs.campaign.plan import Campaign
+from sculler.runs.campaign.run import Outcome, run_campaign
+
+__all__ = ["Campaign", "Outcome", "run_campaign"]

@@ -1,0 +1,215 @@
+"""`campaign`: many runs, their statistics, and the same results whoever does the work."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from math import pi, radians, sin, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("scipy")
+pytest.importorskip("pyarrow")
+
+from sculler.runs.campaign import Campaign
+from sculler.runs.campaign.flights import COLUMNS, fly
+from sculler.runs.campaign.statistics import Statistics
+
+Run = Callable[..., Any]
+Refused = Callable[..., str]
+
+SMALL = """\
+runs = {runs}
+seconds = 0.4
+checkpoints = 4
+[motion]
+name = "turn"
+[initial]
+tilt_mrad = 1.0
+position = 2.0
+[[design]]
+preset = "stim300"
+label = "noisy"
+errors = {{ preset = "stim300" }}
+[[design]]
+preset = "stim300"
+label = "perfect"
+"""
+
+
+def campaign(folder: Path, text: str) -> Path:
+    path = folder / "campaign.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def results(folder: Path) -> dict[str, np.ndarray]:
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(folder / "results.parquet")
+    return {name: table[name].to_numpy() for name in COLUMNS}
+
+
+def test_a_run_depends_on_its_seed_alone(tmp_path: Path) -> None:
+    plan = Campaign.load(campaign(tmp_path, SMALL.format(runs=3)))
+    together = fly(plan, 0, [1, 2, 3])
+    alone = fly(plan, 0, [2])
+    for name in COLUMNS:
+        assert (together[name][4:8] == alone[name]).all(), name
+    assert together["seed"].tolist() == [1] * 4 + [2] * 4 + [3] * 4
+    assert together["time_s"][:4] == pytest.approx([0.1, 0.2, 0.3, 0.4])
+    # the initial errors are those drawn: 1 mrad and 2 m, and unlike in each run
+    position = together["position_north_m"].reshape(3, 4)
+    assert 0.05 < np.abs(position[:, 0]).max() < 8
+    assert len(set(position[:, 0].tolist())) == 3
+
+
+def test_a_perfect_sensor_in_the_true_state_makes_no_error(tmp_path: Path) -> None:
+    text = SMALL.format(runs=1).replace("tilt_mrad = 1.0\nposition = 2.0\n", "")
+    found = fly(Campaign.load(campaign(tmp_path, text)), 1, [1])
+    assert np.abs(found["position_north_m"]).max() < 5e-6  # counts
+    assert np.abs(found["tilt_north_rad"]).max() < 1e-7
+
+
+def test_it_goes_on_where_it_stopped_and_takes_more_runs(run: Run, tmp_path: Path) -> None:
+    path, out = campaign(tmp_path, SMALL.format(runs=2)), tmp_path / "out"
+    first = run("campaign", path, "-o", out, "--workers", 1, "--json")
+    assert (first.status, first.err) == (0, "")
+    said = json.loads(first.out)
+    assert (said["flown_now"], set(said["designs"])) == (4, {"noisy", "perfect"})
+    before = results(out)
+    again = run("campaign", path, "-o", out, "--workers", 1, "--json")
+    assert json.loads(again.out)["flown_now"] == 0
+    assert (out / "growth.png").stat().st_size > 10_000
+
+    campaign(tmp_path, SMALL.format(runs=5))
+    lost = next((out / "parts").glob("0-1-*.parquet"))
+    lost.unlink()
+    more = json.loads(run("campaign", path, "-o", out, "--workers", 1, "--json").out)
+    assert more["flown_now"] == 6 + int(lost.stem.split("-")[2])
+    after = results(out)
+    kept = after["seed"] <= 2
+    for name in COLUMNS:
+        assert (after[name][kept] == before[name]).all(), name
+    told = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    assert told["designs"]["noisy"]["runs"] == 5
+
+    text = SMALL.format(runs=5).replace("tilt_mrad = 1.0", "tilt_mrad = 1.5")
+    campaign(tmp_path, text)
+    other = run("campaign", path, "-o", out, "--workers", 1)
+    assert other.status == 2
+    assert "has results of another campaign, give another folder" in other.err
+
+
+def test_what_would_be_flown(run: Run, tmp_path: Path) -> None:
+    path = campaign(tmp_path, SMALL.format(runs=9))
+    said = run("campaign", path, "-o", tmp_path / "out", "--dry-run", "--json")
+    assert json.loads(said.out)["designs"] == {"noisy": 800, "perfect": 800}
+    assert not (tmp_path / "out").exists()
+    assert "9 of each, seeds from 1 on" in run("campaign", path, "-o", "out", "--dry-run").out
+
+
+def test_quantiles_have_the_binomial_interval() -> None:
+    """Of 100 runs the median lies between the 40th and the 61st with at least 95 % (Conover)."""
+    end = np.arange(1.0, 101.0)
+    zero = np.zeros(100)
+    rows: dict[str, np.ndarray] = dict.fromkeys(COLUMNS, zero)
+    rows |= {"seed": np.arange(100), "time_s": np.full(100, 3600.0), "position_north_m": end}
+    found = Statistics.of(rows)
+    assert found.horizontal[0.5] == (50.5, 40.0, 61.0)
+    assert found.growth[0.5][0] == pytest.approx(50.5 / 1852)
+    assert found.horizontal[0.95][0] == pytest.approx(95.05)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (('name = "turn"', 'name = "turns"'), "motion: name: 'turns' is not known, give one of"),
+        (('name = "turn"', ""), "motion: name, points: give one of them"),
+        (("runs = 2", "runs = 0"), "runs: "),
+        (('label = "perfect"', 'label = "noisy"'), "two are called 'noisy', give each a label"),
+        (("seconds = 0.4", "seconds = 0.001"), "hold no major interval of"),
+        (('preset = "stim300" }', 'presett = "stim300" }'), "sensor.errors.presett"),
+        (("[initial]", "[initials]"), "initials: "),
+        (("runs = 2", "runs = "), "not valid TOML"),
+    ],
+)
+def test_faults_are_told(run: Run, tmp_path: Path, change: tuple[str, str], said: str) -> None:
+    path = campaign(tmp_path, SMALL.format(runs=2).replace(*change))
+    outcome = run("campaign", path, "-o", tmp_path / "out", "--workers", 1)
+    assert (outcome.status, outcome.out) == (2, "")
+    assert said in outcome.err
+    assert outcome.err.count("\n") == 1
+
+
+@pytest.mark.deep
+def test_a_gyro_s_bias_makes_schuler_s_growth(tmp_path: Path) -> None:
+    """At rest on the equator: ε R (t - sin(Ω t)/Ω) north, from a bias ε of the east gyro."""
+    text = """\
+runs = 1
+seconds = 1200
+checkpoints = 6
+[motion]
+name = "rest"
+parameters = { lat = 0.0, lon = 0.0, h = 0.0, heading = 0.0 }
+[navigator]
+height_damping = 60.0
+[[design]]
+preset = "hg4930"
+errors = { gyro = { bias = [0.0, 0.01, 0.0] } }
+"""
+    found = fly(Campaign.load(campaign(tmp_path, text)), 0, [1])
+    t, radius, gravity = found["time_s"], 6335439.3, 9.7803
+    schuler = sqrt(gravity / radius)
+    assert 2 * pi / schuler == pytest.approx(84.3 * 60, rel=0.01)
+    drift = radians(0.01) / 3600
+    expected = drift * radius * (t - np.array([sin(schuler * each) for each in t]) / schuler)
+    assert np.abs(found["position_north_m"]) == pytest.approx(expected, rel=0.01, abs=0.02)
+    assert np.abs(found["position_east_m"]).max() < 0.01 * expected[-1]
+
+
+@pytest.mark.deep
+def test_workers_and_a_scheduler_make_the_same_results(run: Run, tmp_path: Path) -> None:
+    path = campaign(tmp_path, SMALL.format(runs=6))
+    for folder, words in (("one", ("--workers", 1)), ("two", ("--workers", 2))):
+        assert run("campaign", path, "-o", tmp_path / folder, *words, "--json").status == 0
+    one, two = results(tmp_path / "one"), results(tmp_path / "two")
+    for name in COLUMNS:
+        assert (one[name] == two[name]).all(), name
+
+    pytest.importorskip("distributed")
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
+    note = tmp_path / "scheduler.json"
+    options = ["--port", "0", "--no-dashboard", "--scheduler-file", str(note)]
+    quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    started = [subprocess.Popen([*dask, *options], env=environment, **quiet)]
+    try:
+        worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--no-dashboard"]
+        for _ in range(2):
+            words = ["--scheduler-file", str(note), "--nthreads", "1"]
+            started.append(subprocess.Popen([*worker, *words], env=environment, **quiet))
+        for _ in range(600):
+            if note.exists():
+                break
+            started[0].poll()
+            import time
+
+            time.sleep(0.1)
+        address = json.loads(note.read_text(encoding="utf-8"))["address"]
+        outcome = run("campaign", path, "-o", tmp_path / "far", "--scheduler", address, "--json")
+        assert outcome.status == 0, outcome
+    finally:
+        for process in started:
+            process.terminate()
+        for process in started:
+            process.wait(30)
+    far = results(tmp_path / "far")
+    for name in COLUMNS:
+        assert (one[name] == far[name]).all(), name
