@@ -101,15 +101,25 @@ def test_logs(tmp_path: Path, refused: Refused, design: Path, verb: str, case: s
     assert f"{log}: " in line
 
 
+@pytest.mark.parametrize(
+    ("rows", "block"), [(12_000, 1 << 12), pytest.param(200_000, None, marks=pytest.mark.deep)]
+)
 def test_fault_far_into_a_log_leaves_no_output(
-    tmp_path: Path, refused: Refused, design: Path
+    tmp_path: Path,
+    refused: Refused,
+    design: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    rows: int,
+    block: int | None,
 ) -> None:
     """Results have been written by then; they go, and what was there before stays."""
+    if block is not None:  # some thirty blocks of a small log
+        monkeypatch.setattr("sculler.formats.lines.BLOCK_BYTES", block)
     log, out = tmp_path / "log.csv", tmp_path / "out.csv"
-    log.write_text(f"{HEADER}\n" + "1,2,3,4,5,6\n" * 200_000 + "1,2,3,4,5,x\n")
+    log.write_text(f"{HEADER}\n" + "1,2,3,4,5,6\n" * rows + "1,2,3,4,5,x\n")
     out.write_text("precious")
     for verb in ("model", "simulate"):
-        assert "line 200002" in refused(verb, design, log, "-o", out)
+        assert f"line {rows + 2}" in refused(verb, design, log, "-o", out)
         assert out.read_text() == "precious"
 
 

@@ -22,6 +22,7 @@ from sculler_model.golden import (
     result_ports,
 )
 from strategies import DESIGNS, make_design, random_counts, with_hardware
+from tiers import few_of
 
 ZERO: Sample = ((0, 0, 0), (0, 0, 0), 0)
 NOTHING = Result(0, 0, *[(0, 0, 0)] * 6)
@@ -191,37 +192,63 @@ def test_resets_at_any_time(name: str, latency: int) -> None:
     assert_keeps_contract(design, timing, trace)
 
 
-SLOW = [
-    Timing(1),
-    Timing(20, spacing=3),
-    Timing(5, startup=17, handover_spacing=4),
-    Timing(90, spacing=7, startup=40, work=(50, 0, 30), handover_spacing=2),
-    Timing(12, work=(0, 0, 25)),
-    Timing(24, handover_spacing=10, results=2),
-    Timing(300, spacing=9, work=(300, 0, 0)),
-]
+SLOW = {
+    "at once": Timing(1),
+    "spacing": Timing(20, spacing=3),
+    "startup": Timing(5, startup=17, handover_spacing=4),
+    "everything": Timing(90, spacing=7, startup=40, work=(50, 0, 30), handover_spacing=2),
+    "work at the end": Timing(12, work=(0, 0, 25)),
+    "two results": Timing(24, handover_spacing=10, results=2),
+    "long work": Timing(300, spacing=9, work=(300, 0, 0)),
+}
+HANDOVERS = ("parallel", "stream")
 
 
-@pytest.mark.parametrize("handover", ["parallel", "stream"])
-@pytest.mark.parametrize("timing", SLOW)
-def test_every_number_of_the_timing(timing: Timing, handover: str) -> None:
+@pytest.mark.parametrize(
+    "case",
+    few_of(
+        {f"{name}, {how}": (timing, how) for name, timing in SLOW.items() for how in HANDOVERS},
+        [
+            *("everything, parallel", "everything, stream", "startup, stream"),
+            *("two results, stream", "long work, parallel", "long work, stream"),
+        ],
+    ),
+)
+def test_every_number_of_the_timing(case: tuple[Timing, str]) -> None:
+    timing, handover = case
     design = with_hardware(DESIGNS["dense_odd_3"], handover=handover)
     for seed, rates in enumerate([(1, 1, 0), (0.7, 0.5, 0), (0.9, 0.9, 0.001)]):
         trace = drive(design, timing, 3000, seed, *rates)
         assert assert_keeps_contract(design, timing, trace) >= 1
 
 
-DROPPING = [
-    Timing(5, dropping=Dropping(0, 3)),
-    Timing(11, spacing=2, handover_spacing=1, dropping=Dropping(0, 10)),
-    Timing(90, spacing=7, startup=40, work=(50, 0, 30), dropping=Dropping(88, 3)),
-    Timing(20, spacing=3, handover_spacing=3, dropping=Dropping(18, 3)),
-]
+DROPPING = {
+    "drops": Timing(5, dropping=Dropping(0, 3)),
+    "drops, spacing": Timing(11, spacing=2, handover_spacing=1, dropping=Dropping(0, 10)),
+    "drops, everything": Timing(
+        90, spacing=7, startup=40, work=(50, 0, 30), dropping=Dropping(88, 3)
+    ),
+    "drops late": Timing(20, spacing=3, handover_spacing=3, dropping=Dropping(18, 3)),
+}
 
 
-@pytest.mark.parametrize("handover", ["parallel", "stream"])
-@pytest.mark.parametrize("timing", [*SLOW, *DROPPING])
-def test_lost_samples_and_dropped_results(timing: Timing, handover: str) -> None:
+@pytest.mark.parametrize(
+    "case",
+    few_of(
+        {
+            f"{name}, {how}": (timing, how)
+            for name, timing in (SLOW | DROPPING).items()
+            for how in HANDOVERS
+        },
+        [
+            *("everything, parallel", "everything, stream", "two results, stream"),
+            *("drops, everything, parallel", "drops, everything, stream"),
+            *("drops, spacing, parallel", "drops late, stream"),
+        ],
+    ),
+)
+def test_lost_samples_and_dropped_results(case: tuple[Timing, str]) -> None:
+    timing, handover = case
     design = with_hardware(DESIGNS["dense_odd_3"], handover=handover)
     dropped = lost = 0
     for seed, rates in enumerate([(0.9, 0.02), (0.3, 0.3), (1, 1), (0.9, 0.0005)]):

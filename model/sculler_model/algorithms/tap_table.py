@@ -160,24 +160,34 @@ class TapTable:
 def solve_exactly(matrix: list[list[Fraction]], right: list[Fraction]) -> list[Fraction]:
     """Solve a square rational system by Gauss-Jordan elimination, without rounding.
 
+    In whole numbers (Bareiss 1968): what a step leaves is a multiple of the pivot before.
+
     Raises:
         ZeroDivisionError: the matrix is singular.
     """
     size = len(right)
-    rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
+    rows = [_whole([*row, value]) for row, value in zip(matrix, right, strict=True)]
+    last = 1
     for col in range(size):
         pivot = next((r for r in range(col, size) if rows[r][col]), None)
         if pivot is None:
             raise ZeroDivisionError("singular system")
         rows[col], rows[pivot] = rows[pivot], rows[col]
-        scale = rows[col][col]
-        rows[col] = [entry / scale for entry in rows[col]]
+        chosen = rows[col]
+        scale = chosen[col]
         for r in range(size):
-            if r != col and rows[r][col]:
+            if r != col:
                 factor = rows[r][col]
-                pairs = zip(rows[r], rows[col], strict=True)
-                rows[r] = [a - factor * b if b else a for a, b in pairs]
-    return [row[size] for row in rows]
+                pairs = zip(rows[r], chosen, strict=True)
+                rows[r] = [(scale * a - factor * b) // last for a, b in pairs]
+        last = scale
+    return [Fraction(row[size], row[at]) for at, row in enumerate(rows)]
+
+
+def _whole(numbers: list[Fraction]) -> list[int]:
+    """An equation multiplied by the least number that makes its coefficients whole."""
+    scale = lcm(*(number.denominator for number in numbers))
+    return [number.numerator * (scale // number.denominator) for number in numbers]
 
 
 def _second_difference(j: int, power: int) -> int:
