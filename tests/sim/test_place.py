@@ -112,6 +112,8 @@ def test_blocks_stand_where_the_plan_says(tools):
         ("up5k", None, "iCE40UP5K", None),
         ("ICE40hx8k", None, "iCE40HX8K", None),
         ("xc7", None, "xc7", None),
+        ("lifcl-40", 9, "LIFCL-40", 9),
+        ("gw2a-18", None, "GW2A-18", None),
     ],
 )
 def test_devices_by_name(text, speed, device, grade):
@@ -139,6 +141,11 @@ def test_other_devices_are_refused(text, speed, message):
         ("ecp5", "LFE5U-12F", True),
         ("ecp5", "iCE40UP5K", False),
         ("ice40", "xc7", False),
+        ("xilinx", "xcup", True),
+        ("nexus", "LIFCL-40", True),
+        ("gowin", "LIFCL-40", False),
+        ("generic", "CCGM1A1", True),
+        ("gowin", "CCGM1A1", False),
     ],
 )
 def test_a_target_goes_into_its_own_family(target, device, fits):
@@ -469,6 +476,56 @@ def test_a_real_placement(runs, family):
     used, available = area.usage[kind]
     assert area.luts <= used <= available
     assert found.latency_clocks == generate(design).manifest.latency_clocks
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize(
+    ("device", "hardware", "slowest"),
+    [
+        ("LIFCL-40", {"target": "nexus"}, 150),
+        ("GW2A-18", {"target": "gowin"}, 150),
+        ("GW1NR-9", {"target": "gowin"}, 50),
+        ("CCGM1A1", {"multipliers": 0}, 20),
+    ],
+)
+def test_other_families_are_placed_in_the_shift_register(tools, device, hardware, slowest):
+    design = small("small_elsewhere", core="compact", **hardware)
+    found = place(design, *find_device(device), (1,))
+    (seed,) = found.seeds
+    assert slowest < seed.mhz < 450
+    assert seed.path_mhz == pytest.approx(1000 / seed.path.total_ns, rel=1e-2)
+    assert "shift register" in found.how
+    area = found.area
+    assert area.multipliers == hardware.get("multipliers", 1)
+    assert area.memories >= 1
+    assert 100 < area.luts < 1500
+    assert area.flip_flops > 100
+
+
+@pytest.mark.deep
+def test_estimates_of_area(tools):
+    for device, multipliers in (("xcup", 1), ("cyclonev", 1)):
+        found = place(small("small_estimate", core="compact"), *find_device(device))
+        assert found.how.startswith("estimated")
+        assert found.area.multipliers == multipliers
+        assert 100 < found.area.luts < 1500
+        assert found.area.flip_flops > 100
+        assert found.area.memories >= 1
+
+
+def test_a_nexus_netlist_has_no_carry_input_tied_low():
+    def cell(kind, **connections):
+        return {"type": kind, "connections": connections}
+
+    cells = {
+        "low": cell("VLO", Z=[5]),
+        "first": cell("CCU2", CIN=[5], A0=[5], COUT=[6]),
+        "second": cell("CCU2", CIN=[6], A0=[7]),
+    }
+    text = json.dumps({"modules": {"top": {"cells": cells}}})
+    made = json.loads(synthesis._without_constant_carries(text))["modules"]["top"]["cells"]
+    assert made["first"]["connections"] == {"A0": [5], "COUT": [6]}
+    assert made["second"] == cells["second"]
 
 
 @pytest.mark.deep

@@ -21,7 +21,7 @@ from sculler_sim.place import netlist, synthesis
 from sculler_sim.place.netlist import check_netlist
 from sculler_sim.place.tools import YOSYS
 from strategies import DESIGNS, with_hardware
-from tiers import tiers
+from tiers import few_of, tiers
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -52,6 +52,8 @@ LIBRARY = {
     "MULT18X18D": "ecp5/cells_bb.v",
     "DP16KD": "ecp5/cells_sim.v",
     "SB_MAC16": "ice40/cells_sim.v",
+    "MULTPREADD18X18": "lattice/cells_sim_nexus.v",
+    "MULT18X18": "gowin/cells_xtra_gw2a.v",
     **dict.fromkeys(sorted(netlist._PORTS_ONLY), "xilinx/cells_sim.v"),
 }
 
@@ -111,6 +113,10 @@ CORES = {
         ("taylor_2p1", "pipelined", 12),
         ("smallest_hr", "pipelined", None),
     )
+} | {
+    f"smallest-{core}-{target}": with_hardware(DESIGNS["smallest"], core=core, target=target)
+    for target in ("nexus", "gowin")
+    for core in ("compact", "pipelined")
 }
 
 
@@ -147,6 +153,34 @@ def test_ice40_cores_pass_their_bench_with_the_librarys_block(design, tmp_path):
     (tmp_path / "SB_MAC16.v").write_text(shipped("SB_MAC16"))
     done = shell(command, tmp_path)
     assert done.stdout.startswith("PASS: "), done.stdout + done.stderr
+
+
+NEW = [name for name in CORES if name.endswith(("nexus", "gowin"))]
+
+
+@pytest.mark.usefixtures("icarus")
+@pytest.mark.parametrize("name", few_of(NEW, ["smallest-compact-nexus", "smallest-compact-gowin"]))
+def test_nexus_and_gowin_cores_pass_their_bench(name, tmp_path):
+    """With our models in Icarus; Nexus' also with the library's block, which has behaviour."""
+    design = CORES[name]
+    command = bench_of(design, tmp_path)["icarus"]
+    done = shell(command, tmp_path)
+    assert done.stdout.startswith("PASS: "), done.stdout + done.stderr
+    if design.hardware.target == "nexus":
+        text = YOSYS.share("lattice/cells_sim_nexus.v").read_text()
+        used = [shipped("MULTPREADD18X18")]
+        for part in ("OXIDE_DSP_REG", "OXIDE_DSP_SIM"):
+            used.append(re.search(rf"^module {part}\b.*?^endmodule$", text, re.M | re.S)[0])
+        (tmp_path / "MULTPREADD18X18.v").write_text("\n".join(used))
+        done = shell(command.replace(" -Wall", ""), tmp_path)
+        assert done.stdout.startswith("PASS: "), done.stdout + done.stderr
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("name", NEW)
+def test_nexus_and_gowin_cores_pass_their_bench_in_verilator(name, verilator, tmp_path):
+    done = shell(bench_of(CORES[name], tmp_path)["verilator"], tmp_path, **verilator.environment)
+    assert "PASS: " in done.stdout, done.stdout + done.stderr
 
 
 @pytest.mark.usefixtures("icarus")

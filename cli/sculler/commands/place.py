@@ -22,11 +22,14 @@ from sculler import terminal
     "device_name",
     required=True,
     metavar="DEVICE",
-    help="LFE5U-12F, -25F, -45F or -85F, iCE40UP5K, iCE40HX8K, or xc7 (an estimate of the area in"
-    " Xilinx 7 series).",
+    help="LFE5U-12F, -25F, -45F or -85F, iCE40UP5K, iCE40HX8K, LIFCL-40, GW2A-18, GW1NR-9,"
+    " CCGM1A1; or, for an estimate of the area, xc7, xcup (UltraScale+), cyclonev.",
 )
 @click.option(
-    "--speed", type=int, metavar="GRADE", help="Speed grade of an ECP5: 6 (default) to 8."
+    "--speed",
+    type=int,
+    metavar="GRADE",
+    help="Speed grade: ECP5 6 (default) to 8, LIFCL-40 7 (default) to 9.",
 )
 @click.option(
     "--seeds",
@@ -62,8 +65,8 @@ def command(
 ) -> int:
     """Place and route the core of DESIGN with Yosys and nextpnr.
 
-    Wide ports do not limit the figure: in an ECP5 the core is placed alone, out of context, in an
-    iCE40 in a shift register that stands for the pins and is not counted.  Paths inside multiplier
+    Wide ports do not limit the figure: in an ECP5 the core is placed alone, out of context, in
+    others in a shift register that stands for the pins and is not counted.  Paths inside multiplier
     and memory blocks, which nextpnr does not check, are checked here: the clock rate is the smaller
     of both.  Needs the extra sculler[place].
     """

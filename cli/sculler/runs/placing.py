@@ -26,7 +26,7 @@ class Plan:
     Attributes:
         design: the design.
         device_name: of the device, as `find_device` takes it.
-        speed_grade: of an ECP5, 6 to 8; None for the slowest.
+        speed_grade: of an ECP5, 6 to 8, of a LIFCL-40, 7 to 9; None for the slowest.
         seeds: how many times to place and route; the median counts.
         check: simulate the netlist that is placed against the golden model.
 

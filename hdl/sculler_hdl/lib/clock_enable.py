@@ -10,6 +10,8 @@ from amaranth.hdl import Instance
 _ENABLES = {
     "MULT18X18D": ("CE0",),
     "SB_MAC16": ("CE",),
+    "MULTPREADD18X18": ("CEA", "CEB", "CEC", "CEOUT"),
+    "MULT18X18": ("CE",),
     "DP16KD": ("CEA", "CEB", "OCEB"),
 }
 """What lets a block's registers move, or its memory be written."""

@@ -68,7 +68,13 @@ class MultiplierBlock(wiring.Component):
                 right.eq(self.right),
                 self.output.eq(product[: len(self.output)]),
             ]
-            m.submodules.dsp = _CELLS[cell](left, right, product)
+            given = product
+            if cell in _WITHOUT_PIPELINE:
+                given = Signal.like(product, name="block_product_unused_above")
+                later = Signal.like(self.output, name="later", reset_less=True)
+                m.d.sync += later.eq(given[: len(later)])
+                m.d.comb += product[: len(later)].eq(later)
+            m.submodules.dsp = _CELLS[cell](left, right, given)
             return m
         left = Signal.like(self.left, name="left_reg", reset_less=True)
         right = Signal.like(self.right, name="right_reg", reset_less=True)
@@ -139,5 +145,52 @@ def _sb_mac16(left: Signal, right: Signal, product: Signal) -> Instance:
     )
 
 
-_CELLS = {"MULT18X18D": _mult18x18d, "SB_MAC16": _sb_mac16}
+def _multpreadd18x18(left: Signal, right: Signal, product: Signal) -> Instance:
+    """The one of Nexus' blocks that no other maker's block is called like; it adds 0 to `right`."""
+    registers = ("INPUTA", "INPUTB", "INPUTC", "OUTPUT")
+    operands = ("A", "B", "C")
+    return Instance(
+        "MULTPREADD18X18",
+        **{f"p_REG{register}": "REGISTER" for register in registers},
+        i_A=left,
+        i_B=right,
+        i_C=Const(0, 18),
+        i_CLK=ClockSignal(),
+        **{f"i_SIGNED{operand}": Const(1) for operand in operands},
+        **{f"i_CE{name}": Const(1) for name in (*operands, "OUT")},
+        **{f"i_RST{name}": Const(0) for name in (*operands, "OUT")},
+        o_Z=product,
+    )
+
+
+def _mult18x18(left: Signal, right: Signal, product: Signal) -> Instance:
+    used = Const(1, 1)
+    registers = ("AREG", "BREG", "OUT_REG", "PIPE_REG", "ASIGN_REG", "BSIGN_REG")
+    return Instance(
+        "MULT18X18",
+        **{f"p_{register}": used for register in registers},
+        i_A=left,
+        i_B=right,
+        i_SIA=Const(0, 18),
+        i_SIB=Const(0, 18),
+        i_ASIGN=Const(1),
+        i_BSIGN=Const(1),
+        i_ASEL=Const(0),
+        i_BSEL=Const(0),
+        i_CE=Const(1),
+        i_CLK=ClockSignal(),
+        i_RESET=Const(0),
+        o_DOUT=product,
+    )
+
+
+_CELLS = {
+    "MULT18X18D": _mult18x18d,
+    "SB_MAC16": _sb_mac16,
+    "MULTPREADD18X18": _multpreadd18x18,
+    "MULT18X18": _mult18x18,
+}
 """By `Target.multiplier_cell`."""
+
+_WITHOUT_PIPELINE = frozenset({"MULTPREADD18X18"})
+"""Blocks without a register inside the multiplier: one more behind them makes up the clocks."""

@@ -53,6 +53,8 @@ TARGETS = {
         ),
         Target("ice40", (16, 16), (20,), multiplier_cell="SB_MAC16", memory_latency=1),
         Target("xilinx", (25, 18), (42,)),
+        Target("nexus", (18, 18), (32, 26, 21, 16, 12), multiplier_cell="MULTPREADD18X18"),
+        Target("gowin", (18, 18), (32, 26, 21, 16, 12), multiplier_cell="MULT18X18"),
     )
 }
 """By the design file's name."""
@@ -60,6 +62,9 @@ TARGETS = {
 
 def cell_models() -> dict[str, str]:
     """Behavioural Verilog of every vendor block that some target's parts instantiate, by name.
+
+    No two makers' blocks have one name here, so that cores for different devices stand in one
+    project; hence Nexus's MULTPREADD18X18, for its MULT18X18 is called as Gowin's.
 
     Each models the block in the modes we use it in, for simulators and linters.  A file that is
     read twice, with two cores, declares its module once.

@@ -44,8 +44,8 @@ class Hardware(Part):
         Literal["pipelined", "compact"], Field(description='"pipelined" or "compact"')
     ] = "pipelined"
     target: Annotated[
-        Literal["generic", "ecp5", "ice40", "xilinx"],
-        Field(description='"generic", "ecp5", "ice40" or "xilinx"'),
+        Literal["generic", "ecp5", "ice40", "xilinx", "nexus", "gowin"],
+        Field(description='"generic", "ecp5", "ice40", "xilinx", "nexus" or "gowin"'),
     ] = "generic"
     multipliers: Annotated[
         int | None, Field(ge=0, le=4096, description="a whole number from 0 to 4096")

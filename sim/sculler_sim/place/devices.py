@@ -8,13 +8,20 @@ from typing import Literal
 
 from sculler_model.errors import InputError
 
-Family = Literal["ecp5", "ice40", "xilinx"]
+Family = Literal["ecp5", "ice40", "nexus", "gowin", "gatemate", "xilinx", "intel"]
 
 FAMILY_NAMES: dict[Family, str] = {
     "ecp5": "Lattice ECP5",
     "ice40": "Lattice iCE40",
-    "xilinx": "Xilinx 7 series",
+    "nexus": "Lattice Nexus",
+    "gowin": "Gowin",
+    "gatemate": "Cologne Chip GateMate",
+    "xilinx": "Xilinx",
+    "intel": "Intel",
 }
+
+_TARGETS = frozenset({"ecp5", "ice40", "nexus", "gowin", "xilinx"})
+"""Families that the design file's hardware.target names; others take a generic core."""
 
 
 @dataclass(frozen=True)
@@ -23,8 +30,10 @@ class Device:
 
     Attributes:
         name: as its maker writes it.
-        family: whose cells it has; the design file's hardware.target.
-        options: what tells nextpnr the device and package.
+        family: whose cells it has.
+        options: what tells nextpnr the device and package; {speed} stands for the speed grade.
+        part: what tells Yosys of which part of the family it is.
+        pins: of the harness' ports, where nextpnr finds no pins itself.
         speeds: speed grades, the slowest first; empty if there is only one.
         goal: clock rate (MHz) asked of nextpnr: out of reach, so that it does its best.
         fewer: cells of the maker's data sheet, by nextpnr's name, where nextpnr allows more.
@@ -33,9 +42,16 @@ class Device:
     name: str
     family: Family
     options: tuple[str, ...] = ()
+    part: str = ""
+    pins: Mapping[str, str] = field(default_factory=dict)
     speeds: tuple[int, ...] = ()
     goal: int = 0
     fewer: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """The design file's hardware.target of what can be placed in it."""
+        return ("generic", self.family) if self.family in _TARGETS else ("generic",)
 
     @property
     def routed(self) -> bool:
@@ -48,8 +64,20 @@ class Device:
 
 
 def _ecp5(size: int, **fewer: int) -> Device:
-    options = (f"--{size}k", "--package", "CABGA381")
-    return Device(f"LFE5U-{size}F", "ecp5", options, (6, 7, 8), goal=290, fewer=fewer)
+    options = (f"--{size}k", "--package", "CABGA381", "--speed", "{speed}")
+    return Device(f"LFE5U-{size}F", "ecp5", options, speeds=(6, 7, 8), goal=290, fewer=fewer)
+
+
+def _nexus(name: str, package: str, scan_in: str, scan_out: str) -> Device:
+    options = ("--device", f"{name}-{{speed}}{package}")
+    pins = {"scan_in": scan_in, "scan_out": scan_out}
+    return Device(name, "nexus", options, speeds=(7, 8, 9), goal=240, pins=pins)
+
+
+def _gowin(name: str, part: str, device: str, family: str, *pins: str) -> Device:
+    options = ("--device", device, "--vopt", f"family={family}")
+    ports = dict(zip(("clk", "scan_in", "scan_out"), pins, strict=True))
+    return Device(name, "gowin", options, goal=300, part=part, pins=ports)
 
 
 _ALL = [
@@ -58,7 +86,15 @@ _ALL = [
     *map(_ecp5, (25, 45, 85)),
     Device("iCE40UP5K", "ice40", ("--up5k", "--package", "sg48"), goal=100),
     Device("iCE40HX8K", "ice40", ("--hx8k", "--package", "ct256"), goal=300),
-    Device("xc7", "xilinx"),
+    _nexus("LIFCL-40", "BG400C", "E17", "F13"),
+    _gowin("GW2A-18", "gw2a", "GW2A-LV18PG256C8/I7", "GW2A-18", "H11", "T10", "L14"),
+    _gowin("GW1NR-9", "gw1n", "GW1NR-LV9QN88PC6/I5", "GW1N-9C", "52", "3", "10"),
+    Device(
+        "CCGM1A1", "gatemate", ("--device", "CCGM1A1", "--vopt", "allow-unconstrained"), goal=200
+    ),
+    Device("xc7", "xilinx", part="xc7"),
+    Device("xcup", "xilinx", part="xcup"),
+    Device("cyclonev", "intel"),
 ]
 
 DEVICES = {device.name: device for device in _ALL}

