@@ -65,10 +65,12 @@ def met(design: Design, together: int) -> frozenset[Met]:
 
 
 def _effort(design: Design) -> float:
-    """How long emitting and simulating its core takes, about."""
-    words = design.sensor.gyro.bits + design.sensor.accel.bits + 3 * design.algorithm.samples
-    core = 60 * (design.hardware.core == "pipelined") * (3 if design.high_resolution else 1)
-    return words + design.samples_per_major / 4 + core
+    """Seconds of emitting its core and simulating it in Icarus, about: measured on a few."""
+    bits = design.sensor.gyro.bits + design.sensor.accel.bits
+    blocks = design.hardware.target == "ecp5"  # whose models are slow
+    if design.hardware.core == "pipelined":
+        return max(1.3, (bits - 12) / 4) * (1.5 if design.high_resolution else 1) + blocks
+    return 0.8 + bits * (0.07 if blocks else 0.01)
 
 
 def cover(designs: Mapping[str, Design], together: int = 1) -> list[str]:

@@ -12,6 +12,7 @@ from studies.bench.navigators import compare
 OURS, THEIRS = "wander azimuth, compiled", "python-ins Integrator"
 
 
+@pytest.mark.deep
 def test_a_thousand_seconds_of_a_smooth_motion() -> None:
     pytest.importorskip("numba", reason="Numba (extra `fast`) is missing")
     pytest.importorskip("pyins", reason="python-ins is missing")

@@ -432,7 +432,7 @@ def test_accumulator_shows_the_sum_before(gap):
 
 OPERANDS = [
     # widths of left0, left1, right0, right1; limb; target
-    ((33, 33, 24, 24), Limbs(20), "ecp5"),
+    pytest.param((33, 33, 24, 24), Limbs(20), "ecp5", marks=pytest.mark.deep),
     ((28, 20, 25, 17), Limbs(20, 2), "ecp5"),
     ((12, 40, 9, 33), Limbs(16), "ice40"),
     ((9, 8, 8, 9), Limbs(64), "generic"),

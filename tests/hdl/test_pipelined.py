@@ -78,7 +78,7 @@ def test_launch_gap():
     assert launch_gap(sparse.table) == 1
 
 
-@pytest.mark.parametrize("target", ["generic", "ecp5", "ice40", "xilinx"])
+@pytest.mark.parametrize("target", few_of(["generic", "ecp5", "ice40", "xilinx"], ["ecp5"]))
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
 def test_every_design_takes_a_sample_a_clock(design, target):
     made = plan_pipelined(with_hardware(design, target=target))
@@ -130,7 +130,10 @@ def test_room_for_a_second_result_buys_time_for_additions():
 
 
 @pytest.mark.parametrize(
-    "name", few_of(["stim300_4x5", "dense_time_3", "taylor_3p3", "wide_5p0"], ["stim300_4x5"])
+    "name",
+    few_of(
+        ["stim300_4x5", "dense_time_3", "taylor_3p3", "wide_5p0", "dense_odd_3"], ["dense_odd_3"]
+    ),
 )
 def test_every_block_is_named_once_where_it_stands(name):
     design = with_hardware(DESIGNS[name], target="ecp5")
