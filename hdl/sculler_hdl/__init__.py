@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from sculler_hdl.export.verilog import Generated as Generated
     from sculler_hdl.export.verilog import generate as generate
     from sculler_hdl.lib.clock_enable import ClockEnableInserter as ClockEnableInserter
+    from sculler_hdl.plan.bus_ports import own_bus_ports as own_bus_ports
     from sculler_hdl.plan.front import front_counter_ports as front_counter_ports
     from sculler_hdl.plan.front import front_ports as front_ports
     from sculler_hdl.plan.front import pin_ports as pin_ports
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from sculler_hdl.plan.ports import counter_ports as counter_ports
     from sculler_hdl.plan.ports import result_ports as result_ports
     from sculler_hdl.plan.ports import sample_ports as sample_ports
+    from sculler_hdl.plan.registers import RegisterMap as RegisterMap
     from sculler_hdl.plan.timing import timing as timing
     from sculler_hdl.streams import StreamCore as StreamCore
     from sculler_hdl.streams import result_layout as result_layout
@@ -58,6 +60,7 @@ _PLACES = {
     "Generated": "export.verilog",
     "Manifest": "export.manifest",
     "Port": "plan.ports",
+    "RegisterMap": "plan.registers",
     "StreamCore": "streams",
     "TARGETS": "targets",
     "Target": "targets",
@@ -71,6 +74,7 @@ _PLACES = {
     "front_ports": "plan.front",
     "generate": "export.verilog",
     "module_ports": "export.manifest",
+    "own_bus_ports": "plan.bus_ports",
     "pin_ports": "plan.front",
     "properties": "export.properties",
     "result_layout": "streams",
@@ -90,6 +94,7 @@ __all__ = [
     "Generated",
     "Manifest",
     "Port",
+    "RegisterMap",
     "StreamCore",
     "Target",
     "amaranth_source",
@@ -102,6 +107,7 @@ __all__ = [
     "front_ports",
     "generate",
     "module_ports",
+    "own_bus_ports",
     "pin_ports",
     "properties",
     "result_layout",

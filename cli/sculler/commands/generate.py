@@ -52,6 +52,12 @@ from sculler_model.errors import InputError
     help="With --package: the core's clock rate in the constraints; 50 if left out.",
 )
 @click.option(
+    "--bus-clock-mhz",
+    type=terminal.number_type(1e-3, 1e4),
+    metavar="MHZ",
+    help="With --package and a bus that has a clock of its own: its rate; the core's if left out.",
+)
+@click.option(
     "--board",
     metavar="BOARD",
     help="With --package: write a top level too, with pins and Makefile; ulx3s or icebreaker.",
@@ -64,6 +70,7 @@ def command(
     hdl: str,
     packaged: bool,
     clock_mhz: float | None,
+    bus_clock_mhz: float | None,
     board: str | None,
     as_json: bool,
 ) -> None:
@@ -76,7 +83,8 @@ def command(
     NAME_schedule.txt.  With --host c come NAME_host.h and NAME_host.c, which read a result's words
     and scale them, and the library sculler_*.h and sculler_*.c beside them.  With --package
     come NAME.core for FuseSoC, IP-XACT descriptions, scripts for Vivado and Platform Designer,
-    constraints (SDC, XDC, PDC, LPF) and test_NAME.py for cocotb, with --board a top level with its
+    constraints (SDC, XDC, PDC, LPF) and test_NAME.py for cocotb, with a bus files of its unit too
+    (NAME_unit.core and so on, registers as a memory map), with --board a top level with its
     pins and a Makefile that makes the bitstream.  With --hdl amaranth comes NAME.py
     alone.  The same design gives the same bytes.
     """
@@ -90,6 +98,7 @@ def command(
             "--host": host,
             "--package": packaged,
             "--clock-mhz": clock_mhz,
+            "--bus-clock-mhz": bus_clock_mhz,
             "--board": board,
         }
         for option, given in options.items():
@@ -100,5 +109,7 @@ def command(
         outcome = write_amaranth(design, folder)
     else:
         with terminal.progress("generating", None):
-            outcome = write_hardware(design, folder, host == "c", packaged, clock_mhz, board)
+            outcome = write_hardware(
+                design, folder, host == "c", packaged, clock_mhz, board, bus_clock_mhz
+            )
     terminal.report(outcome.as_json(), as_json, terminal.facts(outcome.told()))

@@ -126,6 +126,7 @@ def write_hardware(
     packaged: bool = False,
     clock_mhz: float | None = None,
     board: str | None = None,
+    bus_clock_mhz: float | None = None,
 ) -> Outcome:
     """Write Verilog, manifest and test bench of a design; they appear together.
 
@@ -137,21 +138,30 @@ def write_hardware(
         clock_mhz: the core's clock rate in the package's constraints; if left out, that of the
             design's front end, or 50.
         board: name of a board to write a top level for, with the package.
+        bus_clock_mhz: clock rate of the bus in the package's constraints, where it has a clock of
+            its own; if left out, the core's.
 
     Raises:
         InputError: the folder cannot be made or written to; a clock rate that is none, is not the
             front end's; that or a board is given without a package; no such board, or the design
             is none for it; the extra `package` is not installed.
     """
-    for option, value in (("--clock-mhz", clock_mhz), ("--board", board)):
+    given = {"--clock-mhz": clock_mhz, "--board": board, "--bus-clock-mhz": bus_clock_mhz}
+    for option, value in given.items():
         if value is not None and not packaged:
             raise InputError(f"{option} belongs to --package, give both or neither")
+    bus = design.hardware.bus
+    if bus_clock_mhz is not None and (bus is None or bus.clock == "same"):
+        raise InputError(
+            "--bus-clock-mhz: the design's bus has no clock of its own, leave the option out or"
+            ' give hardware.bus.clock = "separate"'
+        )
     generated = generate(design)
     texts = texts_of(generated)
     if host_in_c:
         texts |= host_texts(design) | library_texts()
     if packaged:
-        texts |= package_texts(generated, _clock_mhz(design, clock_mhz), board)
+        texts |= package_texts(generated, _clock_mhz(design, clock_mhz), board, bus_clock_mhz)
     with gathering(folder) as gathered:
         for name, text in texts.items():
             (gathered / name).write_text(text, encoding="utf-8", newline="\n")

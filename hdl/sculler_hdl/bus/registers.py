@@ -10,7 +10,7 @@ from amaranth import C, Cat, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.plan.bus_ports import own_ports
+from sculler_hdl.plan.bus_ports import own_bus_ports
 from sculler_hdl.plan.registers import ADDRESS_BITS, WINDOW, Field, Register, RegisterMap
 
 REQUEST_BITS = 1 + ADDRESS_BITS + 32 + 4
@@ -52,7 +52,7 @@ def slave_members(kind: str) -> dict[str, wiring.Member]:
     return {
         "request": Out(Request()),
         "answer": In(Answer()),
-        **{port.name: (Out if port.output else In)(port.bits) for port in own_ports(kind)},
+        **{port.name: (Out if port.output else In)(port.bits) for port in own_bus_ports(kind)},
     }
 
 

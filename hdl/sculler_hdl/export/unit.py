@@ -8,6 +8,7 @@ from typing import NamedTuple
 from sculler_hdl.export.front import front_module_ports
 from sculler_hdl.export.manifest import module_ports
 from sculler_hdl.export.verilog_text import wrapped
+from sculler_hdl.export.vhdl import vhdl
 from sculler_hdl.plan.bus_ports import CORE, bus_ports
 from sculler_hdl.plan.ports import Port, clock_ports, reset_name
 from sculler_model.design import Design
@@ -34,7 +35,8 @@ def unit_files(design: Design) -> Mapping[str, str]:
     if design.hardware.bus is None:
         return {}
     text = _verilog(design, unit_instances(design))
-    return {f"{design.name}_unit.v": text}
+    top = f"{design.name}_unit"
+    return {f"{top}.v": text, f"{top}.vhd": vhdl(top, unit_ports(design), "the unit")}
 
 
 def unit_instances(design: Design) -> tuple[Instance, ...]:

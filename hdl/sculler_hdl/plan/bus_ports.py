@@ -127,14 +127,14 @@ def _times(design: Design) -> list[Port]:
     return [Port("pulse", 1, told="pulse per second, of any clock; its rising edge is stamped")]
 
 
-def own_ports(kind: str) -> list[Port]:
+def own_bus_ports(kind: str) -> list[Port]:
     """Those of a kind of bus, by the names that its standard has for them."""
     return [Port(name, bits, output=output, told=told) for name, bits, output, told in _LISTS[kind]]
 
 
 def _host_side(bus: Bus) -> list[Port]:
     prefix = BUS_PREFIXES[bus.result]
-    ports = [port._replace(name=f"{prefix}{port.name}") for port in own_ports(bus.result)]
+    ports = [port._replace(name=f"{prefix}{port.name}") for port in own_bus_ports(bus.result)]
     if bus.has_registers:
         ports.append(Port("irq", 1, output=True, told="high while something waits that is enabled"))
     return ports

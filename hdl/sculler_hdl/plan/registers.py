@@ -114,6 +114,11 @@ class RegisterMap:
         return ResultWindow(self.design)
 
     @property
+    def window_address(self) -> int:
+        """Of the first byte of the window."""
+        return WINDOW
+
+    @property
     def has_front(self) -> bool:
         """Whether there is a sensor front end."""
         return self.design.front is not None

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from sculler_hdl import Generated, Port
+from sculler_hdl import Generated, Manifest, Port, RegisterMap
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 
@@ -17,7 +17,7 @@ VENDOR, LIBRARY = "sculler", "core"
 CLOCK_MHZ = 50.0
 """Clock rate of the constraints where none is given."""
 
-Kind = Literal["axi-stream"]
+Kind = Literal["axi-stream", "axi-lite", "apb"]
 
 
 class Clock(NamedTuple):
@@ -57,6 +57,7 @@ class Interface(NamedTuple):
         kind: which standard.
         clock, reset: ports that it belongs to.
         ports: port of the module by the standard's name of the signal.
+        gives: whether the module begins the transfers (master, initiator).
     """
 
     name: str
@@ -64,6 +65,7 @@ class Interface(NamedTuple):
     clock: str
     reset: str
     ports: Mapping[str, str]
+    gives: bool = True
 
 
 @dataclass(frozen=True)
@@ -76,12 +78,16 @@ class Contents:
         top: the module that a user instantiates.
         ports: its ports, in order.
         clocks: its clocks, the core's first.
-        reset: its reset.
+        reset: its reset, that of the first clock.
         interfaces: standard interfaces among the ports.
         verilog: names of the files to synthesise.
         models: names of the models of vendor blocks, for simulators and linters only.
         vhdl: name of the file for VHDL projects.
-        bench: names of the self-checking test bench and its vectors.
+        bench: names of the self-checking test bench and its vectors; none for a unit.
+        other_resets: those of further clocks, in their order.
+        anytime: inputs that come at any time, which the module synchronises.
+        crossings: places in the module of the queues between its clocks.
+        registers: what stands behind the interface that has addresses; None where none has.
     """
 
     design: Design
@@ -94,19 +100,29 @@ class Contents:
     verilog: tuple[str, ...]
     models: tuple[str, ...]
     vhdl: str
-    bench: tuple[str, ...]
+    bench: tuple[str, ...] = ()
+    other_resets: tuple[Reset, ...] = ()
+    anytime: tuple[str, ...] = ()
+    crossings: tuple[str, ...] = ()
+    registers: RegisterMap | None = None
 
     @property
     def name(self) -> str:
-        """Of the design, with which all files begin."""
-        return self.design.name
+        """Of the top module, with which all files begin."""
+        return self.top
+
+    @property
+    def resets(self) -> tuple[Reset, ...]:
+        """All resets."""
+        return (self.reset, *self.other_resets)
 
     @property
     def summary(self) -> str:
         """What it is, in one line of plain ASCII."""
         algorithm, hardware = self.design.algorithm, self.design.hardware
+        part = "core" if self.top == self.design.name else "unit"
         return (
-            f"Exact coning and sculling core: {algorithm.family}, {algorithm.samples} samples a"
+            f"Exact coning and sculling {part}: {algorithm.family}, {algorithm.samples} samples a"
             f" minor interval, {algorithm.minors} minor intervals a result;"
             f" {hardware.core}, target {hardware.target}"
         )
@@ -114,9 +130,22 @@ class Contents:
     @property
     def bare_ports(self) -> tuple[Port, ...]:
         """The ports that are neither clock nor reset nor of a standard interface."""
-        taken = {self.reset.port, *(clock.port for clock in self.clocks)}
+        taken = {*(reset.port for reset in self.resets), *(clock.port for clock in self.clocks)}
         taken |= {port for interface in self.interfaces for port in interface.ports.values()}
         return tuple(port for port in self.ports if port.name not in taken)
+
+
+def checked_mhz(clock_mhz: float, where: str = "clock rate") -> float:
+    """The rate of a clock.
+
+    Raises:
+        InputError: it is none.
+    """
+    if not 1e-3 <= clock_mhz <= 1e4:
+        raise InputError(
+            f"{where}: {clock_mhz:g} MHz is not allowed, give a number from 0.001 to 10000"
+        )
+    return clock_mhz
 
 
 def contents(generated: Generated, clock_mhz: float = CLOCK_MHZ) -> Contents:
@@ -129,17 +158,14 @@ def contents(generated: Generated, clock_mhz: float = CLOCK_MHZ) -> Contents:
     Raises:
         InputError: the clock rate is none.
     """
-    if not 1e-3 <= clock_mhz <= 1e4:
-        raise InputError(
-            f"clock rate: {clock_mhz:g} MHz is not allowed, give a number from 0.001 to 10000"
-        )
+    checked_mhz(clock_mhz)
     manifest = generated.manifest
     design, name = manifest.design, manifest.name
     reset = _reset(manifest.ports, design)
     bench = (f"{name}_tb.v", f"{name}_samples.hex", f"{name}_expected.hex")
     return Contents(
         design=design,
-        version=_version(manifest.as_json()["tools"]["sculler"]),
+        version=version_of(manifest),
         top=name,
         ports=manifest.ports,
         clocks=(Clock("clk", clock_mhz),),
@@ -166,7 +192,7 @@ def _interfaces(design: Design, reset: str) -> tuple[Interface, ...]:
     return (Interface("result", "axi-stream", "clk", reset, ports),)
 
 
-def _version(text: str) -> str:
-    """Three numbers, as every tool takes them."""
-    numbers = re.findall(r"\d+", text)[:3]
+def version_of(manifest: Manifest) -> str:
+    """Sculler's version in three numbers, as every tool takes them."""
+    numbers = re.findall(r"\d+", manifest.as_json()["tools"]["sculler"])[:3]
     return ".".join([*numbers, "0", "0"][:3])

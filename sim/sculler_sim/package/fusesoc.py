@@ -38,7 +38,7 @@ def _core(contents: Contents, board: Board | None) -> dict[str, Any]:
     name = contents.name
     filesets: dict[str, Any] = {
         "rtl": {"files": list(contents.verilog), "file_type": "verilogSource-2005"},
-        "bench": {"files": _bench(contents)},
+        **({"bench": {"files": _bench(contents)}} if contents.bench else {}),
         "sdc": {"files": [{f"{name}.sdc": {"file_type": "SDC"}}]},
     }
     if contents.models:
@@ -54,25 +54,9 @@ def _core(contents: Contents, board: Board | None) -> dict[str, Any]:
             "flow": "lint",
             "flow_options": {"tool": "verilator", "verilator_options": ["-Wall"]},
         },
-        "sim": {
-            "description": "The self-checking test bench in Icarus Verilog",
-            "filesets": [*with_models, "bench"],
-            "toplevel": f"{name}_tb",
-            "flow": "sim",
-            "flow_options": {"tool": "icarus", "iverilog_options": ["-g2005", "-Wall"]},
-        },
-        "sim_verilator": {
-            "description": "The self-checking test bench in Verilator, 5 or newer",
-            "filesets": [*with_models, "bench"],
-            "toplevel": f"{name}_tb",
-            "flow": "sim",
-            "flow_options": {
-                "tool": "verilator",
-                "mode": "binary",
-                "verilator_options": ["--timing", "-CFLAGS", "-std=c++20"],
-            },
-        },
     }
+    if contents.bench:
+        targets |= _simulations(name, [*with_models, "bench"])
     if board is not None:
         filesets[board.name] = _board_files(contents.name, board)
         targets[board.name] = _board_target(contents.name, board)
@@ -81,6 +65,29 @@ def _core(contents: Contents, board: Board | None) -> dict[str, Any]:
         "description": contents.summary,
         "filesets": filesets,
         "targets": targets,
+    }
+
+
+def _simulations(name: str, filesets: list[str]) -> dict[str, Any]:
+    return {
+        "sim": {
+            "description": "The self-checking test bench in Icarus Verilog",
+            "filesets": filesets,
+            "toplevel": f"{name}_tb",
+            "flow": "sim",
+            "flow_options": {"tool": "icarus", "iverilog_options": ["-g2005", "-Wall"]},
+        },
+        "sim_verilator": {
+            "description": "The self-checking test bench in Verilator, 5 or newer",
+            "filesets": filesets,
+            "toplevel": f"{name}_tb",
+            "flow": "sim",
+            "flow_options": {
+                "tool": "verilator",
+                "mode": "binary",
+                "verilator_options": ["--timing", "-CFLAGS", "-std=c++20"],
+            },
+        },
     }
 
 

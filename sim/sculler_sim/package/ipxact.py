@@ -1,4 +1,4 @@
-"""The core as an IP-XACT component: IEEE 1685-2014 and IEEE 1685-2022.
+"""The core, or the unit, as an IP-XACT component: IEEE 1685-2014 and IEEE 1685-2022.
 
 Both have the same content: ports, standard interfaces, files, and parameters that tell what the
 core is.  Elements stand in the order that the schemas of either year ask for.  The definitions of
@@ -7,57 +7,32 @@ AMBA's interfaces are those of Arm's IP-XACT library (amba.com, AMBA4).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Literal
 from xml.etree import ElementTree as Xml
 
 from sculler_hdl import Port
 from sculler_sim.package.contents import LIBRARY, VENDOR, Contents, Interface
-
-Year = Literal[2014, 2022]
+from sculler_sim.package.ipxact_registers import MAP, memory_map
+from sculler_sim.package.ipxact_writer import SCHEMA_INSTANCE, Writer, Year
 
 YEARS: tuple[Year, ...] = (2014, 2022)
 
-_NAMESPACE = "http://www.accellera.org/XMLSchema/IPXACT/1685-{year}"
-_SCHEMA_INSTANCE = "http://www.w3.org/2001/XMLSchema-instance"
+_BUSES = {
+    "axi-stream": ("amba.com", "AMBA4", "AXI4Stream", "r0p0_1"),
+    "axi-lite": ("amba.com", "AMBA4", "AXI4-Lite", "r0p0_0"),
+    "apb": ("amba.com", "AMBA4", "APB4", "r0p0_0"),
+}
 
-_BUSES = {"axi-stream": ("amba.com", "AMBA4", "AXI4Stream", "r0p0_1")}
-
-_MODES: dict[Year, str] = {2014: "master", 2022: "initiator"}
-"""What the side that sends is called."""
-
-
-class _Writer:
-    """Makes elements of one edition of the standard."""
-
-    def __init__(self, year: Year) -> None:
-        self.year = year
-        self.namespace = _NAMESPACE.format(year=year)
-        Xml.register_namespace("ipxact", self.namespace)
-        Xml.register_namespace("xsi", _SCHEMA_INSTANCE)
-
-    def tag(self, name: str) -> str:
-        return f"{{{self.namespace}}}{name}"
-
-    def add(
-        self,
-        parent: Xml.Element,
-        name: str,
-        text: str | None = None,
-        attributes: Mapping[str, str] | None = None,
-    ) -> Xml.Element:
-        element = Xml.SubElement(parent, self.tag(name), dict(attributes or {}))
-        element.text = text
-        return element
+_MODES: dict[Year, tuple[str, str]] = {2014: ("slave", "master"), 2022: ("target", "initiator")}
+"""What the side that takes is called, and that which gives."""
 
 
 def ipxact_component(contents: Contents, year: Year) -> str:
     """The text of NAME_ipxact_YEAR.xml."""
-    writer = _Writer(year)
+    writer = Writer(year)
     add = writer.add
     root = Xml.Element(writer.tag("component"))
     root.set(
-        f"{{{_SCHEMA_INSTANCE}}}schemaLocation",
+        f"{{{SCHEMA_INSTANCE}}}schemaLocation",
         f"{writer.namespace} {writer.namespace}/index.xsd",
     )
     for name, text in (
@@ -73,6 +48,8 @@ def ipxact_component(contents: Contents, year: Year) -> str:
         buses = add(root, "busInterfaces")
         for interface in contents.interfaces:
             _bus_interface(writer, buses, interface)
+    if contents.registers is not None:
+        memory_map(writer, root, contents.registers)
     _model(writer, root, contents)
     _file_sets(writer, root, contents)
     if year == 2014:
@@ -82,7 +59,7 @@ def ipxact_component(contents: Contents, year: Year) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, "unicode") + "\n"
 
 
-def _bus_interface(writer: _Writer, parent: Xml.Element, interface: Interface) -> None:
+def _bus_interface(writer: Writer, parent: Xml.Element, interface: Interface) -> None:
     add = writer.add
     vendor, library, name, version = _BUSES[interface.kind]
     reference = {"vendor": vendor, "library": library, "version": version}
@@ -96,10 +73,12 @@ def _bus_interface(writer: _Writer, parent: Xml.Element, interface: Interface) -
         mapped = add(maps, "portMap")
         add(add(mapped, "logicalPort"), "name", logical)
         add(add(mapped, "physicalPort"), "name", physical)
-    add(element, _MODES[writer.year])
+    mode = add(element, _MODES[writer.year][interface.gives])
+    if interface.kind != "axi-stream":
+        add(mode, "memoryMapRef", None, {"memoryMapRef": MAP})
 
 
-def _model(writer: _Writer, parent: Xml.Element, contents: Contents) -> None:
+def _model(writer: Writer, parent: Xml.Element, contents: Contents) -> None:
     add = writer.add
     model = add(parent, "model")
     view = add(add(model, "views"), "view")
@@ -117,7 +96,7 @@ def _model(writer: _Writer, parent: Xml.Element, contents: Contents) -> None:
         _port(writer, ports, port)
 
 
-def _port(writer: _Writer, parent: Xml.Element, port: Port) -> None:
+def _port(writer: Writer, parent: Xml.Element, port: Port) -> None:
     add = writer.add
     element = add(parent, "port")
     add(element, "name", port.name)
@@ -130,11 +109,11 @@ def _port(writer: _Writer, parent: Xml.Element, port: Port) -> None:
         add(vector, "right", "0")
 
 
-def _file_sets(writer: _Writer, parent: Xml.Element, contents: Contents) -> None:
+def _file_sets(writer: Writer, parent: Xml.Element, contents: Contents) -> None:
     sets = {
         "rtl": [(file, "verilogSource") for file in contents.verilog],
         "models": [(file, "verilogSource") for file in contents.models],
-        "vhdl": [(contents.vhdl, "vhdlSource")],
+        "vhdl": [(contents.vhdl, "vhdlSource")] if contents.vhdl else [],
         "bench": [
             (file, "verilogSource" if file.endswith(".v") else "user") for file in contents.bench
         ],
@@ -154,7 +133,7 @@ def _file_sets(writer: _Writer, parent: Xml.Element, contents: Contents) -> None
             add(entry, "fileType", kind, user)
 
 
-def _parameters(writer: _Writer, parent: Xml.Element, contents: Contents) -> None:
+def _parameters(writer: Writer, parent: Xml.Element, contents: Contents) -> None:
     add = writer.add
     element = add(parent, "parameters")
     for name, kind, value, meaning in (
