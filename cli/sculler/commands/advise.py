@@ -9,6 +9,7 @@ import click
 
 from sculler import terminal
 from sculler.commands.options import advice
+from sculler.commands.options.analysis import unfiltered_told
 from sculler.commands.options.vibration import SPECTRUM_HELP, mount, mount_options
 
 if TYPE_CHECKING:
@@ -86,18 +87,21 @@ def command(
         return 0
     from sculler.runs.advice import find_designs, write_design
 
-    outcome = find_designs(_plan(design_name, spectrum, asked, navigator))
+    plan = _plan(design_name, spectrum, asked, navigator)
+    outcome = find_designs(plan)
     good, bad = outcome.meet, outcome.fail
     data = outcome.as_json()
     tables: list[Any] = [_meets(good, len(good) if show_all else SHOWN)] if good else []
     if navigator is not None:
         data["budget"] = advice.budget_data(navigator)
         tables.insert(0, advice.budget_table(navigator))
-    wrote = []
+    wrote: list[str] = []
     if output is not None and good:
         write_design(output, good[0].design)
         data["output"] = str(output)
         wrote = [f"wrote {terminal.verbatim(output)}"]
+    if plan.manoeuvre is not None or plan.position is not None:
+        wrote += unfiltered_told(plan.base)
     tables.append(_fails(bad, len(bad) if show_all else SHOWN))
     count = len(good) + len(bad)
     verdict = (

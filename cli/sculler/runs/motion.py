@@ -24,7 +24,14 @@ from sculler_model.frames import STANDARD_GRAVITY, Vector
 from sculler_model.motion import PLACE, Motion, Points, Vibration, as_felt, through
 from sculler_model.navigation import NavHistory
 from sculler_model.outputs import replacing
-from sculler_model.samples import Imperfect, Quantiser, end_after_stamp, interval_end, sample_stamp
+from sculler_model.samples import (
+    Imperfect,
+    Passing,
+    Quantiser,
+    end_after_stamp,
+    interval_end,
+    sample_stamp,
+)
 
 
 @dataclass(frozen=True)
@@ -230,7 +237,7 @@ class Outcome:
             "full_scale": self.full_scale,
             "truth_every_s": plan.every,
             "truth_rows": plan.truth_rows,
-            "filter_left_out": design.sensor_response is not None,
+            "filter_left_out": Passing(design).left_out,
             "output": str(self.output),
             "truth": str(self.truth),
         }
@@ -280,7 +287,10 @@ class Outcome:
         if data.get("samples_beyond_range"):
             shown["beyond range"] = f"{data['samples_beyond_range']:,} samples stayed at its end"
         if data["filter_left_out"]:
-            shown["filter"] = "left out: these are the samples of a sensor that passes everything"
+            shown["filter"] = (
+                "left out, it is not digital at the sample rate of increments: these are the"
+                " samples of a sensor that passes everything"
+            )
         if self.pictures:
             shown["pictures"] = ", ".join(data["plots"])
         return shown | {"wrote": f"{data['output']}, {data['truth']}"}
@@ -308,14 +318,15 @@ def write_motion(
     design, motion = plan.design, plan.motion
     if plan.shaking is not None:
         motion = plan.shaking.vibration.on(motion)
-    quantise, imperfect = Quantiser(design), Imperfect(design, plan.seed)
+    passing, quantise = Passing(design), Quantiser(design)
+    imperfect = Imperfect(design, plan.seed)
     if pictures and plan.given is not None:
         inputs.claim(points_picture_path(output))
     with replacing(output) as temporary:
         with LogWriter(temporary) as log:
             felt = as_felt(motion, design)
             for chunk in felt.chunks(design.sensor.kind, plan.samples, design.sample_interval):
-                log.write(quantise(imperfect(chunk)))
+                log.write(quantise(imperfect(passing(chunk))))
                 advance(len(chunk))
         with replacing(truth) as temporary_truth, HistoryWriter(temporary_truth) as rows:
             for states in motion.states(plan.truth_rows, plan.every, plan.begin):

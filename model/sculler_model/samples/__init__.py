@@ -1,9 +1,9 @@
 """Samples of sensors: when they are, how they become counts, and which counts no sensor gives.
 
-`Quantiser` makes counts of increments, `Resampler` even steps of uneven ones, `Imperfect` adds the
-errors of a real sensor, `Plausibility` sees stuck counts, rails and spikes; the functions of
-instants are the one definition of when a sample and an interval are.  It imports `algorithms`,
-`design` and `frames`.
+`Quantiser` makes counts of increments, `Resampler` even steps of uneven ones, `Passing` runs the
+sensor's filter, `Imperfect` adds the errors of a real sensor, `Plausibility` sees stuck counts,
+rails and spikes; the functions of instants are the one definition of when a sample and an interval
+are.  It imports `algorithms`, `design` and `frames`.
 """
 
 from sculler_model.samples.imperfect import Imperfect
@@ -13,6 +13,7 @@ from sculler_model.samples.instants import (
     interval_ends,
     sample_stamp,
 )
+from sculler_model.samples.passing import Passing
 from sculler_model.samples.plausibility import Finding, FindingKind, Plausibility, in_words
 from sculler_model.samples.quantiser import Quantiser
 from sculler_model.samples.resampler import Gridded, Kind, Resampler
@@ -23,6 +24,7 @@ __all__ = [
     "Gridded",
     "Imperfect",
     "Kind",
+    "Passing",
     "Plausibility",
     "Quantiser",
     "Resampler",
