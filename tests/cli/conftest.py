@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
@@ -21,13 +26,41 @@ class Outcome(NamedTuple):
     err: str
 
 
+class _Watched(ModuleType):
+    """`sys` while a verb runs, whose streams nobody may exchange: who does is told."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name in ("stdout", "stderr"):
+            who = f"{name} becomes {value!r} in {threading.current_thread().name}:\n"
+            _exchanged.append(who + "".join(traceback.format_stack(limit=12)))
+        super().__setattr__(name, value)
+
+
+_exchanged: list[str] = []
+
+
+@contextmanager
+def _streams_stay() -> Iterator[None]:
+    """See that a verb's output goes where the test reads it, to its end."""
+    before, of = (sys.stdout, sys.stderr), type(sys)
+    assert not any(stream.closed for stream in before), before
+    _exchanged.clear()
+    sys.__class__ = _Watched  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        sys.__class__ = of
+    assert (sys.stdout, sys.stderr) == before, "\n".join(_exchanged)
+
+
 @pytest.fixture
 def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
     """Run a verb in this process."""
 
     def run(*words: object) -> Outcome:
         capfd.readouterr()
-        status = main([str(word) for word in words])
+        with _streams_stay():
+            status = main([str(word) for word in words])
         return Outcome(status, *capfd.readouterr())
 
     return run

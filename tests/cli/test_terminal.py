@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -54,3 +56,17 @@ def test_three_digits(value: float, text: str) -> None:
 def test_plural() -> None:
     assert plural(1, "row") == "1 row"
     assert plural(2000, "row") == "2,000 rows"
+
+
+def test_streams_that_are_exchanged_while_a_verb_runs_are_told(
+    run: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the tests themselves: else what a verb says is lost, and nobody knows to whom."""
+
+    def exchanges(words: object) -> int:
+        monkeypatch.setattr("sys.stderr", io.StringIO())
+        return 0
+
+    monkeypatch.setitem(run.__globals__, "main", exchanges)  # type: ignore[attr-defined]
+    with pytest.raises(AssertionError, match=r"stderr becomes .* in MainThread"):
+        run("demo")
