@@ -62,6 +62,7 @@ TARGETS = (
     Target("response", "response.csv", "coefficients --design tuned.toml", 2),
     Target("spectrum", "psd.csv", "analyze vibration inc.toml --spectrum {}", 4),
     Target("spectrum-advise", "psd.csv", ADVISE, 10),
+    Target("manoeuvre", "roll.csv", "advise inc.toml --manoeuvre {} --angle 1 --host-rate 1", 10),
     Target("log", "log.csv", "model inc.toml {} -o out.csv"),
     Target("log-fault", "faulty.csv", "model rate.toml {} -o out.csv --engine reference"),
     Target("log-simulate", "short.csv", SIMULATE, 10),
@@ -182,6 +183,10 @@ def examples(folder: Path) -> dict[str, bytes]:
     (folder / "campaign.toml").write_text(
         'runs = 2\nseconds = 0.5\n[motion]\nname = "turn"\n[[design]]\nfile = "inc.toml"\n'
         "errors = { gyro = { random_walk = 0.1, bias = { sigma = 2 } } }\n"
+    )
+    rolled = "0,0,0,0,0,0,-1\n0.2,40,5,0,0.1,0.5,-1.2\n0.4,0,0,0,0,0,-1\n"
+    (folder / "roll.csv").write_text(
+        f"time_s,rate_x,rate_y,rate_z,force_x,force_y,force_z\n{rolled}"
     )
     (folder / "psd.csv").write_text("freq_hz,psd_g2_per_hz\n2,0.01\n10,0.04\n40,0.001\n")
     rng = np.random.default_rng(1)

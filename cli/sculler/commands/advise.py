@@ -122,6 +122,8 @@ def _plan(
     from sculler_model.analysis.flight import Profile
 
     file, wanted = asked["manoeuvre_file"], {name: asked[name] for name in _ASKED}
+    if wanted["peak_rate"] is None:
+        wanted["peak_rate"] = 200.0 if file is None else 0.0
     shaken = spectrum is not None
     if navigator is not None:
         for name, limit, there in (

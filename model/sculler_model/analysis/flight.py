@@ -37,6 +37,9 @@ PROFILE_COLUMNS = ("time_s", "rate_x", "rate_y", "rate_z", "force_x", "force_y",
 LONGEST = 600.0
 """s, of a manoeuvre: each design runs through the whole of it."""
 
+LARGEST = 1e6
+"""rad/s and m/s²."""
+
 FINE_STEPS = 1 << 14
 """Steps of the truth."""
 
@@ -51,7 +54,7 @@ class Profile:
         values: (N, 6) rad/s and m/s².
 
     Raises:
-        InputError: fewer than two points, times that do not rise from 0, or not finite numbers.
+        InputError: fewer than two points, times that do not rise from 0, or numbers out of range.
     """
 
     name: str
@@ -63,6 +66,11 @@ class Profile:
             raise InputError(f"{self.name}: a manoeuvre needs two points or more")
         if not (np.isfinite(self.times).all() and np.isfinite(self.values).all()):
             raise InputError(f"{self.name}: a number is not finite")
+        if np.abs(self.values).max() > LARGEST:
+            raise InputError(
+                f"{self.name}: a rate or a force is larger than any vehicle's, give less than"
+                f" {LARGEST:g} rad/s and m/s²"
+            )
         if self.times[0] != 0 or not (np.diff(self.times) > 0).all():
             raise InputError(f"{self.name}: time_s must rise from 0 on")
         if self.times[-1] > LONGEST:

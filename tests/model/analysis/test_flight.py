@@ -97,6 +97,7 @@ def test_files(tmp_path: Path) -> None:
         ("time_s,rate_x,rate_y,rate_z\n0,0,0,0\n0,1,1,1\n", "must rise from 0"),
         ("time_s,rate_x,rate_y,rate_z\n0,0,0,0\n900,1,1,1\n", "too long"),
         ("time_s,rate_x,rate_y,rate_z\n0,0,0,0\n1,nan,1,1\n", "not finite"),
+        ("time_s,rate_x,rate_y,rate_z\n0,0,0,0\n1,1e300,1,1\n", "larger than any vehicle's"),
     ],
 )
 def test_refusals(tmp_path: Path, text: str, message: str) -> None:

@@ -52,7 +52,12 @@ environment_options = group(
         metavar="FILE",
         help="A manoeuvre: CSV time_s,rate_x,...,force_z in s, deg/s and g.",
     ),
-    _number("--peak-rate", "DEG/S", "Fastest turn.", 200.0, above=False),
+    _number(
+        "--peak-rate",
+        "DEG/S",
+        "Fastest turn; if left out that of the manoeuvre, or 200.",
+        above=False,
+    ),
     _number("--peak-force", "G", "Largest specific force of manoeuvres.", 0.0, above=False),
     _number("--force-ramp", "G/S", "Its fastest change.", 0.0, above=False),
 )
