@@ -226,6 +226,19 @@ def progress(description: str, total: int | None) -> Iterator[Advance]:
         bar.stop()
 
 
+@contextmanager
+def staged_progress(total: int) -> Iterator[tuple[Advance, Callable[[str], None]]]:
+    """A progress bar like `progress`, and what tells it in words which stage is under way."""
+    if not sys.stderr.isatty():
+        yield silent, lambda _: None
+        return
+    bar = _LateBar("starting", total)
+    try:
+        yield bar.advance, bar.describe
+    finally:
+        bar.stop()
+
+
 class _LateBar:
     """A rich progress bar that shows itself after `PROGRESS_AFTER` seconds."""
 
@@ -246,6 +259,11 @@ class _LateBar:
             self._bar.start()
         if self._bar is not None and self._task is not None:
             self._bar.update(self._task, completed=self._done)
+
+    def describe(self, stage: str) -> None:
+        self._description = stage
+        if self._bar is not None and self._task is not None:
+            self._bar.update(self._task, description=stage)
 
     def stop(self) -> None:
         if self._bar is not None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from sculler.words import three_digits
 from sculler_sim.place.placement import Placement
 from studies import documents
+from studies.hardware.classes import spread
 from studies.hardware.measure import SEEDS, Corner
 from studies.hardware.points import Point, counted
 
@@ -35,17 +36,23 @@ PUBLISHED = (
 """What is published of others: what it does, in what, how fast."""
 
 
-def document(placed: Sequence[tuple[Point, Placement]], corners: Sequence[Corner]) -> str:
+def document(
+    placed: Sequence[tuple[Point, Placement]],
+    corners: Sequence[Corner],
+    differed: Sequence[tuple[Point, Placement]] = (),
+) -> str:
     """The text of the page.
 
     Args:
         placed: all points with what was found.
         corners: the design space.
+        differed: the designs of `classes`; left out if there are none.
     """
     lines: list[str] = []
     for section in (
         _introduction(placed),
         goals(placed),
+        *([spread(differed)] if differed else []),
         devices(placed),
         paths(placed),
         _space(corners),

@@ -12,6 +12,7 @@ from sculler_sim.place.devices import find_device
 from sculler_sim.place.nextpnr import WorstPath
 from sculler_sim.place.placement import Area, Placement, Seed, check_target
 from studies.hardware import page
+from studies.hardware.classes import classes, spread
 from studies.hardware.command import command
 from studies.hardware.measure import Corner
 from studies.hardware.pictures import draw
@@ -55,6 +56,33 @@ def test_the_issues_figures_are_asked() -> None:
     ]
     assert asked["compact-up5k"] == ["≥ 50 MHz", "≤ 2 multipliers", "≤ 1,500 logic cells"]
     assert asked["compact-0-up5k"] == ["≤ 0 multipliers", "10,000 samples/s"]
+
+
+def test_sixteen_designs_that_differ() -> None:
+    """As the issue lists them: bits, n, p, dense, rates, high-resolution, M, hand-over, a limit."""
+    designs = [point.design for group in classes() for point in group.points]
+    assert len(designs) == len({design.name for design in designs}) >= 16
+    assert {design.sensor.gyro.bits for design in designs} >= {16, 18, 20, 24, 32}
+    assert {design.algorithm.samples for design in designs} >= {1, 2, 3, 4, 5, 6, 8}
+    assert {design.algorithm.history for design in designs} == {0, 1, 2}
+    assert {design.algorithm.minors for design in designs} >= {1, 64}
+    dense = {d.algorithm.samples for d in designs if len(d.table.active_phases) > 1}
+    assert dense >= {3, 4, 5}
+    assert any(design.sensor.kind == "rate" for design in designs)
+    assert any(design.high_resolution for design in designs)
+    assert any(design.hardware.multipliers for design in designs)
+    handovers = {d.hardware.handover for d in designs if d.hardware.core == "pipelined"}
+    assert handovers == {"parallel", "stream"}
+
+
+def test_a_class_holds_by_its_worst_design() -> None:
+    group = classes()[0]
+    found = [(point, placed(point, 260.0)) for point in group.points]
+    assert "| up to 18 bits, ecp5 | ≥ 250 MHz | 260.0 MHz (" in "\n".join(spread(found))
+    found[1] = (group.points[1], placed(group.points[1], 249.0))
+    text = "\n".join(spread(found))
+    assert "249.0 MHz (16-bit, n = 1, p = 1, M = 64; 4 designs) | **no** |" in text
+    assert "| 244.0 | 249.0 | 252.0 |" in text
 
 
 @pytest.mark.parametrize("key", POINTS)

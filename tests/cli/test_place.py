@@ -9,10 +9,13 @@ from typing import Any
 
 import pytest
 
+from sculler.plots import pictures as plots
 from sculler_model.errors import InputError
+from sculler_sim import processes
 from sculler_sim.place import netlist, placement
 from sculler_sim.place.blocks import Limit
-from sculler_sim.place.nextpnr import WorstPath
+from sculler_sim.place.nextpnr import Routed, WorstPath
+from sculler_sim.place.parts import part_of
 from sculler_sim.place.placement import Area, Placement, Seed
 from sculler_sim.place.synthesis import Synthesis
 from sculler_sim.place.tools import NEXTPNR, YOSYS, Tool
@@ -54,8 +57,11 @@ def asked(tools: None, monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, ...]]
     calls: list[tuple[Any, ...]] = []
 
     def place(
-        design: Any, device: Any, speed: Any, seeds: Any, *, placer: Any, done: Any
+        design: Any, device: Any, speed: Any, seeds: Any, *, placer: Any, done: Any, stage: Any
     ) -> Placement:
+        places = {"handover.word[1]": (3, 4), "within.total_2[0]": (5, 6)}
+        for seed in FOUND.seeds:
+            placer.routed[seed.seed] = Routed(seed.mhz, seed.path, {}, places)
         calls.append((design.name, device.name, speed, list(seeds)))
         return FOUND
 
@@ -100,6 +106,60 @@ def test_json_and_the_files(
     assert json.loads((folder / "report.json").read_text()) == data
     assert (folder / "little_netlist.v").read_text() == "module little; endmodule\n"
     assert (folder / "yosys.log").read_text() == "what Yosys said\n"
+    # 222.2 MHz: a clock of 4.500 ns
+    assert 'FREQUENCY PORT "clk" 222.200000 MHZ' in (folder / "little.lpf").read_text()
+    for kind in ("sdc", "xdc", "pdc"):
+        created = "create_clock -name {clk} -period 4.500 [get_ports {clk}]"
+        assert created in (folder / f"little.{kind}").read_text()
+    if plots.left_out() is None:
+        assert (folder / "floorplan.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_time_limit_says_what_was_under_way(
+    refused: Callable[..., str],
+    design: Path,
+    tools: None,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    """A tool that never ends is killed."""
+    monkeypatch.setenv("SCULLER_CACHE", str(tmp_path_factory.mktemp("cache")))
+
+    def never(*_: Any) -> tuple[int, str]:
+        (ended,) = processes.run(["sleep", "100"])
+        return ended.status, ended.said
+
+    monkeypatch.setattr(Tool, "run", never)
+    said = refused("place", design, "--device", "UP5K", "--time-limit", 0.2)
+    assert "--time-limit 0.2: not done by then (synthesis and packing)" in said
+
+
+def test_the_worst_path_is_told_in_parts_with_what_would_help(
+    run: Callable[..., Any], design: Path, asked: list[Any]
+) -> None:
+    text = " ".join(run("place", design, "--device", "lfe5u-25f").out.split())
+    assert "within the sums; 53% of it is wire" in text  # 2.4 of 4.5 ns
+    assert 'hardware.target = "ecp5"' in text
+    assert "a faster part (--speed 8)" in text
+
+
+@pytest.mark.parametrize(
+    ("name", "part"),
+    [
+        ("engine.product.tile.dsp (MULTPREADD18X18)", "multipliers"),
+        ("within.held0_left0_x_0[0]", "multipliers"),
+        ("within.sculling_x_total.total_4[23]", "sums"),
+        ("theta_y.grown_2[9]", "sums"),
+        ("accel_taps.product1_x_sum1_0[3]", "sums"),
+        ("samples_lost[3]", "hand-over"),
+        ("reader.ahead[0]", "hand-over"),
+        ("loader.index[1]", "samples and sequence"),
+        ("within.load0_0", "samples and sequence"),
+        ("harness.fed[3]", "shift register"),
+    ],
+)
+def test_parts_by_names(name: str, part: str) -> None:
+    assert part_of(name) == part
 
 
 @pytest.mark.parametrize(

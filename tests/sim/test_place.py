@@ -335,7 +335,7 @@ def test_a_ceiling_below_the_wires_rate_is_the_rate(tools, monkeypatch, tmp_path
     monkeypatch.setenv("SCULLER_CACHE", str(tmp_path))
     usage = {"TRELLIS_COMB": (1, 24288), "TRELLIS_FF": (1, 24288), "MULT18X18D": (1, 28)}
     monkeypatch.setattr(nextpnr, "pack", lambda *_: usage)
-    monkeypatch.setattr(nextpnr, "route", lambda *_: nextpnr.Routed(350.0, PATH, usage))
+    monkeypatch.setattr(nextpnr, "route", lambda *_: nextpnr.Routed(350.0, PATH, usage, {}))
     parameters = {"REG_INPUTA_CLK": "CLK0", "REG_OUTPUT_CLK": "CLK0"}
     cell = {"type": "MULT18X18D", "parameters": parameters, "connections": {}}
     core = json.dumps({"modules": {"s": {"cells": {"m": cell}}}})

@@ -36,7 +36,8 @@ from sculler import terminal
     type=click.IntRange(min=1, max=100),
     default=3,
     show_default=True,
-    help="How many times to place and route; the median counts.",
+    help="How many times to place and route, as many at once as there are processors; the median"
+    " counts.",
 )
 @click.option(
     "--check",
@@ -45,13 +46,22 @@ from sculler import terminal
     " golden model.",
 )
 @click.option(
+    "--time-limit",
+    "time_limit_s",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Give up after so long; what is done by then is kept for the next run.  No limit if left"
+    " out.",
+)
+@click.option(
     "-o",
     "--output",
     "folder",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Where to write report.json, the netlist (NAME_netlist.v) and Yosys' log; nothing is"
-    " written if left out.",
+    help="Where to write report.json, the netlist (NAME_netlist.v), Yosys' log, constraints with"
+    " the clock rate found (NAME.sdc, .xdc, .pdc, .lpf) and a picture of the floor plan"
+    " (floorplan.png); nothing is written if left out.",
 )
 @terminal.json_option
 def command(
@@ -60,6 +70,7 @@ def command(
     speed: int | None,
     seeds: int,
     check: bool,
+    time_limit_s: float | None,
     folder: Path | None,
     as_json: bool,
 ) -> int:
@@ -72,9 +83,9 @@ def command(
     """
     from sculler.runs.placing import Plan, place_core
 
-    plan = Plan(terminal.load_design(design_name), device_name, speed, seeds, check)
-    with terminal.progress("placing", plan.steps) as advance:
-        outcome = place_core(plan, advance=advance)
+    plan = Plan(terminal.load_design(design_name), device_name, speed, seeds, check, time_limit_s)
+    with terminal.staged_progress(plan.steps) as (advance, tell):
+        outcome = place_core(plan, advance=advance, tell=tell)
     rows = outcome.told()
     if folder is not None:
         rows["wrote"] = outcome.write(folder)

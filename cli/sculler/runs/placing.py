@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 import json
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from sculler.plots.floorplan import floor_picture
+from sculler.plots.pictures import left_out
 from sculler.words import Advance, silent
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.outputs import gathering
+from sculler_sim import processes
+from sculler_sim.package.constraints import constraints
+from sculler_sim.package.contents import contents
 from sculler_sim.place import netlist, placement
 from sculler_sim.place.devices import Device, find_device
+from sculler_sim.place.parts import floor_parts, in_words, what_helps
 from sculler_sim.place.placement import Placement, Placer
+from sculler_sim.place.tools import ToolError
 
 SAME = "identical to the golden model"
 
@@ -28,6 +38,7 @@ class Plan:
         device_name: of the device, as `find_device` takes it.
         speed_grade: of an ECP5, 6 to 8, of a LIFCL-40, 7 to 9; None for the slowest.
         seeds: how many times to place and route; the median counts.
+        time_limit_s: seconds after which it gives up; None for none.
         check: simulate the netlist that is placed against the golden model.
 
     Raises:
@@ -39,6 +50,7 @@ class Plan:
     speed_grade: int | None = None
     seeds: int = 3
     check: bool = False
+    time_limit_s: float | None = None
 
     def __post_init__(self) -> None:
         device = self.device  # refuses what is none
@@ -95,10 +107,15 @@ class Outcome:
     def told(self) -> dict[str, str]:
         """In words, row by row."""
         rows = describe(self.placement)
+        if self.placement.median is not None:
+            path, plan = self.placement.median.path, self.plan
+            rows["would help"] = "; ".join(what_helps(path, plan.design, plan.device, plan.speed))
         return rows if self.netlist is None else rows | {"netlist": self.netlist}
 
     def write(self, folder: Path) -> str:
-        """Write report.json, the netlist and the log into a folder; they appear together.
+        """Write report, netlist, log, constraints and the floor plan into a folder, together.
+
+        The floor plan is left out where nothing is placed or matplotlib is missing.
 
         Returns:
             What was written, in words.
@@ -112,31 +129,98 @@ class Outcome:
             "yosys.log": synthesis.log,
             "report.json": json.dumps(self.as_json(), indent=2) + "\n",
         }
+        median = self.placement.median
+        picture = median is not None and left_out() is None
+        if median is not None:
+            texts |= constraints(contents(self.placer.generated, round(median.mhz, 3)))
         with gathering(folder) as gathered:
             for file, text in texts.items():
                 (gathered / file).write_text(text, encoding="utf-8")
-        return f"{folder}/: report.json, {name}, yosys.log"
+            if median is not None and picture:
+                places = self.placer.routed[median.seed].places
+                title = f"{self.placement.design} in {self.placement.device}, {median.mhz:.1f} MHz"
+                floor_picture(gathered / "floorplan.png", floor_parts(places), title)
+        files = [*texts, *(["floorplan.png"] if picture else [])]
+        return f"{folder}/: {', '.join(files)}"
 
 
-def place_core(plan: Plan, *, advance: Advance = silent) -> Outcome:
+def place_core(
+    plan: Plan, *, advance: Advance = silent, tell: Callable[[str], None] = lambda _: None
+) -> Outcome:
     """Place and route a design's core, and check the netlist where the plan says so.
 
     Args:
         plan: what, and where.
         advance: told 1 after each of `plan.steps`.
+        tell: told in words which stage is under way.
 
     Raises:
-        InputError: a tool is missing, the design is for another family or does not fit.
+        InputError: a tool is missing, the design is for another family or does not fit; the time
+            limit is over.
         ToolError: a tool fails.
     """
+    stage = _Stage(tell)
+    with _limited(plan.time_limit_s, stage):
+        return _place_core(plan, advance, stage)
+
+
+class _Stage:
+    """What is under way, for the progress bar and for the message when time is over."""
+
+    def __init__(self, tell: Callable[[str], None]) -> None:
+        self.now, self._tell = "starting", tell
+
+    def __call__(self, stage: str) -> None:
+        self.now = stage
+        self._tell(stage)
+
+
+@contextmanager
+def _limited(seconds: float | None, stage: _Stage) -> Iterator[None]:
+    """Within it tools are killed when the time is over.
+
+    Raises:
+        InputError: it was.
+    """
+    if seconds is None:
+        yield
+        return
+    over = threading.Event()
+
+    def end() -> None:
+        over.set()
+        while not finished.wait(0.1):  # those too that start meanwhile
+            processes.end_all()
+
+    finished = threading.Event()
+    timer = threading.Timer(seconds, end)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    except (ToolError, RuntimeError):
+        if not over.is_set():
+            raise
+        raise InputError(
+            f"--time-limit {seconds:g}: not done by then ({stage.now}); what is done is kept: run"
+            " it again to go on, give more time, fewer --seeds or a smaller design"
+        ) from None
+    finally:
+        finished.set()
+        timer.cancel()
+
+
+def _place_core(plan: Plan, advance: Advance, stage: _Stage) -> Outcome:
+    """As `place_core`."""
     design, device, speed = plan.design, plan.device, plan.speed
     placer = Placer(design, device, speed)
     advance(1)
     placed = placement.place(
-        design, device, speed, range(1, plan.seeds + 1), placer=placer, done=advance
+        design, device, speed, range(1, plan.seeds + 1), placer=placer, done=advance, stage=stage
     )
     difference = None
     if plan.check:
+        stage("simulating the netlist")
         synthesis = placer.synthesis
         difference = netlist.check_netlist(
             design, placer.generated, synthesis.netlist, device.family
@@ -153,6 +237,9 @@ def describe(placement: Placement) -> dict[str, str]:
         each = ", ".join(f"{seed.mhz:.1f}" for seed in placement.seeds)
         rows["clock rate"] = f"{placement.fmax_mhz:.1f} MHz (median of {each})"
         rows["worst path"] = placement.limited_by()
+        path = placement.median.path if placement.median else None
+        if path is not None:
+            rows["that is"] = in_words(path)
         inside = [limit.describe() for limit in placement.limits]
         rows["inside blocks"] = "; ".join(inside) or "nothing that nextpnr does not check"
     rows |= {

@@ -69,11 +69,13 @@ class Routed:
         mhz: clock rate of the slowest path it checks.
         path: that path.
         usage: everything placed, a harness included.
+        places: column and row of each cell of the netlist, in the words of the design.
     """
 
     mhz: float
     path: WorstPath
     usage: Usage
+    places: dict[str, tuple[int, int]]
 
 
 def pack(device: Device, speed: int | None, netlist: str) -> Usage:
@@ -115,20 +117,31 @@ def route(
         ToolError: it fails.
     """
     options = ("--freq", str(device.goal), "--seed", str(seed), "--timing-allow-fail")
-    report, log = _run(device, speed, netlist, *options, *_alone(device), *_HARD)
+    places: dict[str, tuple[int, int]] = {}
+    report, log = _run(
+        device, speed, netlist, *options, *_alone(device), *_HARD, register=register, places=places
+    )
     try:
         ((_, clock),) = report["fmax"].items()
     except ValueError as error:
         raise ToolError(NEXTPNR[device.family], log) from error
-    return Routed(clock["achieved"], worst_path(report, register), _usage(report))
+    return Routed(clock["achieved"], worst_path(report, register), _usage(report), places)
 
 
 def _run(
-    device: Device, speed: int | None, netlist: str, *options: str
+    device: Device,
+    speed: int | None,
+    netlist: str,
+    *options: str,
+    register: Callable[[str], str] | None = None,
+    places: dict[str, tuple[int, int]] | None = None,
 ) -> tuple[dict[str, Any], str]:
+    """Run nextpnr; its report and what it said.  `places` is filled if given."""
     tool = NEXTPNR[device.family]
     where = [option.format(speed=speed) for option in device.options]
     files = ["--json", "netlist.json", "--report", "report.json"]
+    if places is not None:
+        files += ["--write", "placed.json"]
     with cache.workshop() as work:
         (work / "netlist.json").write_text(netlist, encoding="utf-8")
         if device.pins:
@@ -139,7 +152,26 @@ def _run(
             _complain_if_full(device, log)
             raise ToolError(tool, log)
         report = json.loads((work / "report.json").read_text(encoding="utf-8"))
+        if places is not None and register is not None:
+            placed = json.loads((work / "placed.json").read_text(encoding="utf-8"))
+            places.update(_places(placed, register))
     return report, log
+
+
+_SITE = re.compile(r"X(\d+)/?Y(\d+)")
+
+
+def _places(
+    netlist: Mapping[str, Any], register: Callable[[str], str]
+) -> dict[str, tuple[int, int]]:
+    """Column and row of the cells of a netlist that nextpnr wrote, by their names in the design."""
+    found = {}
+    for module in netlist["modules"].values():
+        for name, cell in module["cells"].items():
+            site = _SITE.match(str(cell["attributes"].get("NEXTPNR_BEL", "")))
+            if site is not None:
+                found[register(name)] = (int(site[1]), int(site[2]))
+    return found
 
 
 def _pins(device: Device) -> str:

@@ -153,7 +153,7 @@ class Placer:
 
     What Yosys and nextpnr found is kept in the cache folder, under a hash of the Verilog, the
     order of its blocks, the device, the seed, the tools' versions and this package's source;
-    netlists are not kept.
+    netlists are not kept.  `routed` has the runs that were asked for, by seed.
     """
 
     def __init__(self, design: Design, device: Device, speed: int | None) -> None:
@@ -168,6 +168,7 @@ class Placer:
         self.tools = {tool.package: tool.version() for tool in tools}
         self.generated: Generated = generate(design)
         self.blocks = self.generated.manifest.block_groups or ()
+        self.routed: dict[int, Routed] = {}
         self._once = Lock()
         self._synthesis: Synthesis | None = None
 
@@ -227,7 +228,11 @@ class Placer:
             return asdict(nextpnr.route(self.device, self.speed, netlist, seed, register))
 
         found = self._kept(f"seed {seed}", run)
-        return Routed(found["mhz"], WorstPath(**found["path"]), _as_usage(found["usage"]))
+        places = {name: (x, y) for name, (x, y) in found["places"].items()}
+        path = WorstPath(**found["path"])
+        routed = Routed(found["mhz"], path, _as_usage(found["usage"]), places)
+        self.routed[seed] = routed
+        return routed
 
     def _kept(self, what: str, find: Callable[[], dict[str, Any]]) -> dict[str, Any]:
         """A finding from the cache, or newly found."""
@@ -253,6 +258,7 @@ def place(
     *,
     placer: Placer | None = None,
     done: Callable[[int], None] = lambda _: None,
+    stage: Callable[[str], None] = lambda _: None,
 ) -> Placement:
     """Place and route a design with several seeds, as many at a time as there are processors.
 
@@ -262,21 +268,25 @@ def place(
         seeds: the placer's seeds.
         placer: what does the steps, if it is to be kept for its netlist.
         done: told 1 after each step: synthesis with packing, and each seed.
+        stage: told in words what is being done.
 
     Raises:
         InputError: a tool is missing, the design is for another family or does not fit.
         ToolError: a tool fails.
     """
     placer = placer or Placer(design, device, speed)
+    stage("synthesis and packing")
     area, slow = placer.area()
     done(1)
     routed: dict[int, Routed] = {}
     if device.routed:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {pool.submit(placer.route, seed): seed for seed in seeds}
+            stage(f"place and route, {len(jobs)} seeds")
             try:
                 for job in as_completed(jobs):
                     routed[jobs[job]] = job.result()
+                    stage(f"place and route, {len(routed)} of {len(jobs)} seeds done")
                     done(1)
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
