@@ -40,9 +40,7 @@ def test_equals_golden_for_named_designs(
     assert_same(in_chunks(model, counts, cuts, faults), expected)
 
 
-@settings(max_examples=80, deadline=None)
-@given(design=designs(), data=st.data())
-def test_equals_golden_for_any_design(design: Design, data: st.DataObject) -> None:
+def equals_golden(design: Design, data: st.DataObject) -> None:
     span = design.samples_per_major
     majors = data.draw(st.integers(1, max(2, 200 // span)))
     rng = np.random.default_rng(data.draw(st.integers(0, 2**32)))
@@ -51,6 +49,19 @@ def test_equals_golden_for_any_design(design: Design, data: st.DataObject) -> No
     few, block = data.draw(st.sampled_from([0, 16, 4096])), data.draw(st.integers(1, 400))
     model = FastModel(design, block=block, few_minors=few)
     assert_same(in_chunks(model, counts, cuts), golden(design, counts))
+
+
+@settings(max_examples=40, deadline=None)
+@given(design=designs(), data=st.data())
+def test_equals_golden_for_any_design(design: Design, data: st.DataObject) -> None:
+    equals_golden(design, data)
+
+
+@pytest.mark.deep
+@settings(max_examples=400, deadline=None)
+@given(design=designs(), data=st.data())
+def test_equals_golden_for_many_designs(design: Design, data: st.DataObject) -> None:
+    equals_golden(design, data)
 
 
 @pytest.mark.parametrize(

@@ -88,6 +88,7 @@ def test_other_devices_and_cores_are_left_to_nextpnr():
     assert fix_blocks(netlist, "core", [], ECP5) == netlist
 
 
+@pytest.mark.deep
 def test_blocks_stand_where_the_plan_says(tools):
     design = small("planned", target="ecp5")
     generated = generate(design)
