@@ -10,6 +10,7 @@
 #   make accuracy  docs/explanation/accuracy.md and its pictures: the papers' figures beside ours
 #   make buses     docs/explanation/bus-area.md: area and rate of each bus, some minutes
 #   make host-c    docs/explanation/host-in-c-targets.md: the host in C for small processors, a minute
+#   make soc       docs/explanation/chip.md: the whole chip flies a log in Verilator, and is placed; ten minutes
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route, about half an hour
 #   make prove   tries to prove the port contract on small cores, and writes what it proved; an hour or so
 #   make docs    the site of docs/ in build/site, without warnings; DOCS_FLAGS=... for MkDocs
@@ -23,7 +24,7 @@ READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses host-c prove release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses host-c soc prove release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY) $(TOOLS)
@@ -128,6 +129,9 @@ buses: $(READY)
 
 host-c: $(READY)
 	$(BIN)/python -m studies.host_c
+
+soc: $(TOOLS)
+	$(BIN)/python -m studies.soc
 
 release-check: $(READY)
 	$(BIN)/python tools/release_check.py

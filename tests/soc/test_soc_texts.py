@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import subprocess
 import zlib
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from sculler.soc import (
     check_soc,
     compile_firmware,
     firmware_texts,
+    makefile,
     read_chip,
     soc_texts,
 )
@@ -153,6 +155,22 @@ def test_the_firmware_fits() -> None:
     assert firmware.code + firmware.variables < (64 - 6) * 1024
     with pytest.raises(InputError, match="larger --memory"):
         compile_firmware(SocPlan(design, START, memory_kib=32), registers_of(design))
+
+
+@needs_compiler
+@pytest.mark.deep
+def test_the_makefile_compiles_the_same(tmp_path: Path) -> None:
+    design = design_of()
+    plan = SocPlan(design, START)
+    texts = {**firmware_texts(plan), "chip_regs.h": registers_of(design)}
+    for name, text in {**texts, "chip_soc.mk": makefile(plan)}.items():
+        (tmp_path / name).write_text(text)
+    command = ["make", "-f", "chip_soc.mk", "chip_firmware.hex"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    words = (tmp_path / "chip_firmware.hex").read_text().split()
+    assert words[0] == "@00000000"
+    expected = compile_firmware(plan, registers_of(design)).hex.split()
+    assert [word.lower() for word in words[1:]] == expected
 
 
 def test_the_top_level_and_the_processor() -> None:

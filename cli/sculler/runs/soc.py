@@ -24,6 +24,7 @@ from sculler.soc import (
     compile_firmware,
     firmware_texts,
     fly_log,
+    makefile,
     require_compiler,
     soc_texts,
 )
@@ -95,7 +96,7 @@ class Chip:
             texts
             | soc_texts(self.plan)
             | firmware_texts(self.plan)
-            | {f"{name}_firmware.hex": self.firmware.hex}
+            | {f"{name}_firmware.hex": self.firmware.hex, f"{name}_soc.mk": makefile(self.plan)}
         )
 
 

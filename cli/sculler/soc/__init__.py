@@ -8,7 +8,7 @@
 It uses `sculler.host_c` for the firmware's arithmetic and `sculler_sim.chip` for the simulation.
 """
 
-from sculler.soc.firmware import Firmware, compile_firmware, require_compiler
+from sculler.soc.firmware import Firmware, compile_firmware, makefile, require_compiler
 from sculler.soc.flight import Flight, fly_log
 from sculler.soc.telemetry import ChipRecord, read_chip
 from sculler.soc.texts import SocPlan, check_soc, firmware_texts, soc_texts
@@ -22,6 +22,7 @@ __all__ = [
     "compile_firmware",
     "firmware_texts",
     "fly_log",
+    "makefile",
     "read_chip",
     "require_compiler",
     "soc_texts",

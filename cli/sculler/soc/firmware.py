@@ -46,6 +46,53 @@ class Firmware:
     compiler: str
 
 
+def makefile(plan: SocPlan) -> str:
+    """NAME_soc.mk: compiles the firmware anew, and makes a bitstream for an ECP5."""
+    name = plan.design.name
+    sources = [file for file in firmware_texts(plan) if file.endswith((".c", ".S"))]
+    own = " ".join(file for file in sources if file not in ALIGNMENT)
+    hardware = " ".join(f"{name}{part}.v" for part in ("", "_front", "_bus", "_unit"))
+    sizes = " ".join(_sizes(plan))
+    return f"""# {name}_soc, made by `sculler soc`:
+#   make -f {name}_soc.mk {name}_firmware.hex   the firmware, after a change
+#   make -f {name}_soc.mk                       the bitstream, with the tools of PyPI
+#   ... PREFIX= PART="--85k --package CABGA381" PINS=my.lpf
+CROSS ?= {PREFIX}
+PREFIX ?= yowasp-
+PART ?= --25k --package CABGA381
+PINS ?=
+
+{name}_soc.bit: {name}_soc.config
+\t$(PREFIX)ecppack --compress $< $@
+
+{name}_soc.config: {name}_soc_netlist.json $(PINS)
+\t$(PREFIX)nextpnr-ecp5 $(PART) --freq {plan.clock_mhz:g} $(if $(PINS),--lpf $(PINS),\\
+\t  --lpf-allow-unconstrained) --json $< --textcfg $@
+
+# without the models of the part's blocks, which are for simulators
+VERILOG := {hardware} VexRiscv.v {name}_soc.v
+{name}_soc_netlist.json: $(VERILOG) {name}_firmware.hex
+\t$(PREFIX)yosys -q -p "read_verilog $(VERILOG); synth_ecp5 -top {name}_soc -json $@"
+
+{name}_firmware.hex: {name}_firmware.elf
+\t$(CROSS)objcopy -O verilog --verilog-data-width=4 $< $@
+
+FIRMWARE := {own}
+{name}_firmware.elf: $(FIRMWARE) $(wildcard *.h) soc.ld
+\t$(CROSS)gcc {" ".join(FLAGS)} \\
+\t  $(FIRMWARE) {" ".join(LINKING)} \\
+\t  {sizes} -o $@
+"""
+
+
+def _sizes(plan: SocPlan) -> tuple[str, str]:
+    """What the linker script asks for."""
+    return (
+        f"-Wl,--defsym=_memory_bytes={plan.memory_kib * 1024}",
+        f"-Wl,--defsym=_stack_bytes={STACK_BYTES}",
+    )
+
+
 def require_compiler() -> None:
     """See that there is a cross compiler.
 
@@ -76,11 +123,7 @@ def compile_firmware(plan: SocPlan, registers: str) -> Firmware:
         for file, text in texts.items():
             (work / file).write_text(text, encoding="utf-8")
         sources = [file for file in texts if file.endswith((".c", ".S")) and file not in ALIGNMENT]
-        sizes = (
-            f"-Wl,--defsym=_memory_bytes={plan.memory_kib * 1024}",
-            f"-Wl,--defsym=_stack_bytes={STACK_BYTES}",
-        )
-        _called(work, f"{PREFIX}gcc", *FLAGS, *sources, *LINKING, *sizes, "-o", "f.elf")
+        _called(work, f"{PREFIX}gcc", *FLAGS, *sources, *LINKING, *_sizes(plan), "-o", "f.elf")
         _called(work, f"{PREFIX}objcopy", "-O", "binary", "f.elf", "f.bin")
         size = _called(work, f"{PREFIX}size", "f.elf").splitlines()[1].split()
         version = _called(work, f"{PREFIX}gcc", "--version").splitlines()[0]

@@ -57,6 +57,13 @@ class SocPlan:
         """Clocks a bit of telemetry."""
         return clocks_a_bit(self.design)
 
+    @property
+    def clock_mhz(self) -> float:
+        """Of the chip."""
+        front = self.design.hardware.front
+        assert front is not None
+        return front.clock_hz / 1e6
+
 
 def clocks_a_bit(design: Design) -> int:
     """Clocks a bit of telemetry."""
@@ -118,8 +125,6 @@ def soc_texts(plan: SocPlan) -> dict[str, str]:
         InputError: the package of the processor is not installed.
     """
     design = plan.design
-    front = design.hardware.front
-    assert front is not None
     pins = [port for port in (*pin_ports(design),) if port.name not in ("clk", "rst")]
     pins += [port for port in unit_ports(design) if port.name == "pulse"]
     names = {port.name for port in pins}
@@ -134,7 +139,7 @@ def soc_texts(plan: SocPlan) -> dict[str, str]:
         name=design.name,
         memory_kib=plan.memory_kib,
         baud=BAUD,
-        clock_mhz=f"{front.clock_hz / 1e6:g}",
+        clock_mhz=f"{plan.clock_mhz:g}",
         word_bits=(plan.memory_kib * 256 - 1).bit_length(),
         divisor=plan.divisor,
         unit_top=address.bits - 3,

@@ -1,0 +1,1 @@
+"""The chip of `sculler soc`: flown in Verilator, placed and routed in real parts."""

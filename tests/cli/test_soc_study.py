@@ -1,0 +1,18 @@
+"""`python -m studies.soc`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sculler.soc import check_soc
+from studies.soc.command import PAGE
+from studies.soc.fly import DESIGN
+
+WRITTEN = Path(__file__).parents[2] / "docs" / "explanation" / PAGE
+
+
+def test_the_page_is_the_commands() -> None:
+    text = WRITTEN.read_text(encoding="utf-8")
+    assert "python -m studies.soc" in text
+    assert "| LFE5U-25F-6 |" in text
+    check_soc(DESIGN)
