@@ -214,3 +214,29 @@ def test_all_columns_but_the_wander_angle_are_of_true_north(run: Run, tmp_path: 
     assert np.abs(tracks["wander"][1:, wander] - expected).max() < 1e-6
     assert abs(expected[-1]) > 19
     assert not tracks["geographic"][:, wander].any()
+
+
+def test_other_forms(run: Run, refused: Refused, tmp_path: Path, turning: Path) -> None:
+    """Each gives nearly the same track; where they are not at hand it is said."""
+    tracks = []
+    forms: tuple[tuple[object, ...], ...] = (
+        (),
+        ("--attitude", "cosines"),
+        ("--azimuth", "free"),
+        ("--level-every", 5),
+        ("--rotation", "first-order"),
+    )
+    for number, options in enumerate(forms):
+        out = tmp_path / f"{number}.csv"
+        given = (*PLACE, "--ve", 30, "--no-plots", "-o", out, *options)
+        outcome = run("navigate", "stim300", turning, *given)
+        assert (outcome.status, outcome.err) == (0, "")
+        tracks.append(track(out))
+    for other, most in zip(tracks[1:], (1e-9, 1e-6, 1e-3, 0.5), strict=True):
+        assert np.abs(other[:, 8:11] - tracks[0][:, 8:11]).max() < most
+        assert not np.array_equal(other, tracks[0])
+    out = tmp_path / "none.csv"
+    for word in (("--mechanisation", "geographic"), ("--engine", "c")):
+        for options in forms[1:4]:
+            said = refused("navigate", "stim300", turning, *PLACE, "-o", out, *word, *options)
+            assert "--azimuth, --attitude and --level-every" in said

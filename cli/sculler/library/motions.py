@@ -28,8 +28,8 @@ def motion(
     """A motion over the turning Earth whose attitude, velocity and position are known exactly.
 
     Args:
-        name: one of the catalogue: rest, coning, sculling, spin-cone, spin-rock-size, turn,
-            great-circle, pole, flight, demo.
+        name: one of the catalogue: rest, coning, sculling, spin-cone, spin-rock-size, spin-accel,
+            turn, great-circle, pole, flight, demo.
         lat, lon: where it begins, degrees, geodetic on WGS-84; a motion whose place is its own
             (pole, demo) takes no notice of what does not apply.
         height: m above the ellipsoid.

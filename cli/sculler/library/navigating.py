@@ -140,6 +140,10 @@ class Begin(TypedDict, total=False):
     gravity: str | Gravity
     noise: SensorNoise
     engine: Literal["python", "c"]
+    azimuth: Literal["wander", "free"]
+    attitude: Literal["quaternion", "cosines"]
+    level_every: int
+    rotation: Literal["exact", "first-order"]
 
 
 def _radians(value: float | None) -> float | None:
@@ -183,6 +187,9 @@ def make_plan(
             get("mechanisation", "wander"),
             get("position_every", 1),
             get("height_damping") or (None if reference is None else DAMPING),
+            azimuth=get("azimuth", "wander"),
+            attitude=get("attitude", "quaternion"),
+            level_every=get("level_every", 1),
         ),
         AxisMap.parse(get("axes", "x,y,z")),
         start=start,
@@ -190,6 +197,7 @@ def make_plan(
         align=get("align"),
         fine=get("fine", False),
         third_order=get("third_order", False),
+        rotation=get("rotation", "exact"),
         height_reference=reference,
         gravity=gravity_model(gravity) if isinstance(gravity, str) else gravity,
         noise=get("noise", ESTIMATED),
@@ -246,6 +254,8 @@ def navigate(
               `height_noise` (m), or a `HeightReference`
             - `gravity`: "normal", "constant", "constant:G", a table's path or a `Gravity`
             - `noise`: a `SensorNoise`, what is known of the sensors, for the alignment
+            - other forms, to see what each is worth: `azimuth` "free", `attitude` "cosines",
+              `level_every` (major intervals), `rotation` "first-order"
             - `engine`: "python", or "c": the host in C, compiled here; the same numbers
 
     Returns:

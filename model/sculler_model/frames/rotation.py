@@ -142,6 +142,62 @@ def from_dcm(rows: tuple[Vector, Vector, Vector]) -> Quaternion:
     return (q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale)
 
 
+Matrix = tuple[Vector, Vector, Vector]
+"""Three rows."""
+
+
+def dcm_of_rotation_vector(phi: Vector) -> Matrix:
+    """Rows of I + sin a/a φ× + (1 - cos a)/a² (φ×)², a = |φ|, rad (Savage-20 Eq. 1), exact.
+
+    The paper's series of the second coefficient is misprinted; it is 1/2! - a²/4! + a⁴/6! - ...
+    """
+    x, y, z = phi
+    square = x * x + y * y + z * z
+    if square < 1e-4:  # the next terms are below 1e-18
+        sine = 1 - square * (1 / 6 - square * (1 / 120))
+        cosine = 0.5 - square * (1 / 24 - square * (1 / 720))
+    else:
+        angle = sqrt(square)
+        sine, half = sin(angle) / angle, sin(0.5 * angle) / angle
+        cosine = 2 * half * half
+    sx, sy, sz = sine * x, sine * y, sine * z
+    xy, xz, yz = cosine * x * y, cosine * x * z, cosine * y * z
+    return (
+        (1 - cosine * (y * y + z * z), xy - sz, xz + sy),
+        (xy + sz, 1 - cosine * (x * x + z * z), yz - sx),
+        (xz - sy, yz + sx, 1 - cosine * (x * x + y * y)),
+    )
+
+
+def matrix_product(a: Matrix, b: Matrix) -> Matrix:
+    """a b."""
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = b
+
+    def row(r: Vector) -> Vector:
+        i, j, k = r
+        return (
+            i * xx + j * yx + k * zx,
+            i * xy + j * yy + k * zy,
+            i * xz + j * yz + k * zz,
+        )
+
+    return row(a[0]), row(a[1]), row(a[2])
+
+
+def orthonormalised(c: Matrix) -> Matrix:
+    """A nearly orthonormal matrix C, one step nearer: C (3 I - CᵀC)/2.
+
+    What is left of an error is its square.
+    """
+    (a, b, d), (e, f, g), (h, i, j) = matrix_product(tuple(zip(*c, strict=True)), c)  # type: ignore[arg-type]
+    half: Matrix = (
+        (1.5 - 0.5 * a, -0.5 * b, -0.5 * d),
+        (-0.5 * e, 1.5 - 0.5 * f, -0.5 * g),
+        (-0.5 * h, -0.5 * i, 1.5 - 0.5 * j),
+    )
+    return matrix_product(c, half)
+
+
 def from_euler(roll: float, pitch: float, heading: float) -> Quaternion:
     """q_nb of roll, pitch and heading (rad): heading about down first, then pitch, then roll."""
     cr, sr = cos(0.5 * roll), sin(0.5 * roll)

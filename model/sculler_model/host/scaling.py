@@ -9,13 +9,14 @@ from __future__ import annotations
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sculler_model.algorithms import S_DENOMINATOR, SCROLLING_DENOMINATOR
 from sculler_model.design import Design
+from sculler_model.errors import InputError
 from sculler_model.fast import FastModel, VectorBlock, limbs_of
 from sculler_model.host.compensation import (
     displacement,
@@ -42,7 +43,10 @@ RESULTS = 16384
 
 
 def major_increments(
-    design: Design, block: VectorBlock, third_order: bool = False
+    design: Design,
+    block: VectorBlock,
+    third_order: bool = False,
+    rotation: Literal["exact", "first-order"] = "exact",
 ) -> MajorIncrements:
     """φ, α, ΔV_SF and ΔR_SF of each major interval of a block, in the sensor's axes.
 
@@ -59,11 +63,21 @@ def major_increments(
         block: consecutive major intervals.
         third_order: correct φ and ΔV_SF as `ThirdOrder` does, which says when that helps; the
             block's first two intervals stay as they are.
+        rotation: "first-order" for the cheap compensations of Savage-98, to see what they cost:
+            ½ α×υ (Eq. 39; with sculling that is Eq. 40-41) and (S_α×υ + α×S_υ)/6 (Eq. 86), and
+            nothing of higher order.
 
     Returns:
         The increments, with the block's status and, where it has them, its times.
+
+    Raises:
+        InputError: there is no such rotation.
     """
-    if design.high_resolution:
+    if rotation not in ("exact", "first-order"):
+        raise InputError(f'rotation: {rotation!r} is not allowed, give "exact" or "first-order"')
+    if rotation == "first-order":
+        increments = _first_order(design, block)
+    elif design.high_resolution:
         increments = _with_displacement(design, block)
     elif _is_worth_compiling(len(block)):
         increments = _compiled(design, block)
@@ -161,13 +175,9 @@ def _fill(design: Design, block: VectorBlock, found: MajorIncrements) -> None:
 
 def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
     """φ, α, ΔV_SF and ΔR_SF of a design with high-resolution position."""
-    g, a, T = design.gyro_scale, design.accel_scale, design.sample_interval
     increments, units = _scaled(design, block), _units(design)
     alpha, upsilon = _sums(block, units)
-    s_alpha = block.vector("s_alpha").astype(np.float64) * (g * T / S_DENOMINATOR)
-    s_upsilon = block.vector("s_nu").astype(np.float64) * (a * T / S_DENOMINATOR)
-    scrolling = block.vector("scrolling").astype(np.float64)
-    scrolling *= a * g * T / SCROLLING_DENOMINATOR
+    s_alpha, s_upsilon, scrolling = _double_integrals(design, block)
     sculling = units.sculling * _correction(block, "sculling", units)
     higher = velocity_higher_orders(
         alpha, upsilon, s_alpha, s_upsilon, sculling, scrolling, design.major_interval
@@ -176,6 +186,30 @@ def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
         increments,
         dv_sf=increments.dv_sf + higher,
         dr_sf=displacement(alpha, upsilon, s_alpha, s_upsilon, scrolling),
+    )
+
+
+def _first_order(design: Design, block: VectorBlock) -> MajorIncrements:
+    """The same with the compensations of first order (Savage-98 Eq. 39, 86)."""
+    increments, units = _scaled(design, block), _units(design)
+    alpha, upsilon = _sums(block, units)
+    sculling = units.sculling * _correction(block, "sculling", units)
+    dv_sf, dr_sf = upsilon + 0.5 * np.cross(alpha, upsilon) + sculling, None
+    if design.high_resolution:
+        s_alpha, s_upsilon, scrolling = _double_integrals(design, block)
+        turned = np.cross(s_alpha, upsilon) + np.cross(alpha, s_upsilon)
+        dr_sf = s_upsilon + turned / 6 + scrolling
+    return replace(increments, dv_sf=dv_sf, dr_sf=dr_sf)
+
+
+def _double_integrals(design: Design, block: VectorBlock) -> tuple[Array, Array, Array]:
+    """S_α (rad s), S_υ and ΔR_scrl (m), each (R, 3)."""
+    g, a, T = design.gyro_scale, design.accel_scale, design.sample_interval
+    scrolling = block.vector("scrolling").astype(np.float64)
+    return (
+        block.vector("s_alpha").astype(np.float64) * (g * T / S_DENOMINATOR),
+        block.vector("s_nu").astype(np.float64) * (a * T / S_DENOMINATOR),
+        scrolling * (a * g * T / SCROLLING_DENOMINATOR),
     )
 
 

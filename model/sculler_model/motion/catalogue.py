@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import atan2, cos, pi, radians, sin
+from math import atan2, cos, pi, radians, sin, sqrt
 
-from sculler_model.frames import from_dcm
+from sculler_model.frames import cross, from_dcm
 from sculler_model.motion.curves import Curve, EvenPace
 from sculler_model.motion.earthbound import Motion, earth_axis
 from sculler_model.motion.flight_plan import BANK_GRAVITY, flight, seconds
@@ -116,6 +116,46 @@ def spin_cone(
     """
     turns = euler_turns(Curve((0.0, spin_rate)), Curve((elevation,)), Curve((0.0, cone_rate)))
     return Motion(lat, lon, h, turns=turns, name="spin-cone")
+
+
+def spin_accel(
+    lat: float,
+    lon: float,
+    h: float,
+    roll_rate: float = 0.0,
+    pitch_rate: float = 0.0,
+    yaw_rate: float = radians(20.0),
+    forward: float = 3.0,
+    right: float = 0.0,
+    down: float = 0.0,
+) -> Motion:
+    """Constant rate and acceleration in body axes, but for the Earth's: spin-accel.
+
+    The closed forms of `SpinAccel` over the local level: from rest over the Earth, nose north.
+
+    Args:
+        lat, lon, h: where it begins, rad, rad, m.
+        roll_rate, pitch_rate, yaw_rate: about body axes, rad/s.
+        forward, right, down: acceleration along body axes, m/s².
+    """
+    rate, force = (roll_rate, pitch_rate, yaw_rate), (forward, right, down)
+    size = sqrt(sum(w * w for w in rate))
+    if size == 0:
+        curves = [Curve((0.0, 0.0, 0.5 * f)) for f in force]
+        turns: tuple[Turn, ...] = ()
+    else:
+        axis = (roll_rate / size, pitch_rate / size, yaw_rate / size)
+        along = sum(n * f for n, f in zip(axis, force, strict=True))
+        curves = []
+        for n, f, beside in zip(axis, force, cross(axis, force), strict=True):
+            across = (f - along * n) / size**2
+            poly = (across, beside / size, 0.5 * along * n)
+            waves = ((-across, size, pi / 2), (-beside / size**2, size, 0.0))
+            curves.append(Curve(poly, waves))
+        turns = (Turn(axis, Curve((0.0, size))),)
+    north, east, fall = curves
+    up = Curve(tuple(-c for c in fall.powers), tuple((-a, w, p) for a, w, p in fall.waves))
+    return Motion(lat, lon, h, north=north, east=east, up=up, turns=turns, name="spin-accel")
 
 
 def spin_rock_size(
@@ -254,6 +294,7 @@ MOTIONS: dict[str, Entry] = {
     "sculling": Entry(sculling),
     "spin-cone": Entry(spin_cone),
     "spin-rock-size": Entry(spin_rock_size),
+    "spin-accel": Entry(spin_accel),
     "turn": Entry(steady_turn),
     "great-circle": Entry(great_circle, 3600.0),
     "pole": Entry(over_the_pole, 600.0),

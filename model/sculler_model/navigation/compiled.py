@@ -43,11 +43,12 @@ def compiled_run() -> CompiledRun | None:
     """What carries a state over many intervals at machine speed; None where Numba is missing.
 
     It takes the state (`numbers_of`), which it changes, and the settings (interval, position every,
-    three of damping), the two parts of a `Gravity`, φ, ΔV_SF and ΔR_SF, (R, 3) each (the last one
-    (0, 3) where it is not used), the heights to hold to, (R, 2) or one row for all, and an (R, 11)
-    table that it fills with q_nb, v, lat, lon, h, wander at the interval ends.  It returns how many
-    intervals it got through: fewer than R if the track left the places that `gravity.covers`.  A
-    call takes half a microsecond and no more than arrays, so that it serves single updates too.
+    three of damping, 1 for free azimuth), the two parts of a `Gravity`, φ, ΔV_SF and ΔR_SF, (R, 3)
+    each (the last one (0, 3) where it is not used), the heights to hold to, (R, 2) or one row for
+    all, and an (R, 11) table that it fills with q_nb, v, lat, lon, h, wander at the interval ends.
+    It returns how many intervals it got through: fewer than R if the track left the places that
+    `gravity.covers`.  A call takes half a microsecond and no more than arrays, so that it serves
+    single updates too.
 
     Compiling takes some seconds at the very first call and is kept on disk from then on.
     """
@@ -70,7 +71,8 @@ def compiled_run() -> CompiledRun | None:
     ) -> int:
         model, fine = Gravity(value, points), len(dr_sf) > 0
         damping = (constants[2], constants[3], constants[4])
-        settings = Settings(constants[0], int(constants[1]), fine, damping, model)
+        free = constants[5] > 0
+        settings = Settings(constants[0], int(constants[1]), fine, damping, model, free)
         now = level_of(carried)
         dr, done, one_for_all = (0.0, 0.0, 0.0), len(phi), len(heights) == 1
         for i in range(len(phi)):

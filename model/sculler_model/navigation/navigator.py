@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import isfinite
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ from sculler_model.navigation.state import (
     three_numbers,
     told_times,
 )
-from sculler_model.navigation.stepping import Compiled, Interpreted, Row, Stepping
+from sculler_model.navigation.stepping import Alternative, Compiled, Interpreted, Row, Stepping
 from sculler_model.navigation.wander import NOT_YET, Settings, level, position, step, with_past
 
 __all__ = [
@@ -76,6 +76,14 @@ class Navigator:
         compiled: True takes every update through Numba, which is loaded at once (compiled at the
             very first time), so that nothing stops in flight; False none.  If left out, `update`
             is Python's, and `run` is compiled where it is worth it.
+        azimuth: "wander", w does not turn about the vertical over the Earth, or "free", it does not
+            against the stars.
+        attitude: carried as a "quaternion" or as "cosines", the direction cosine matrix (Savage-20
+            Eq. 1); the same to rounding.
+        level_every: major intervals from one turn of the frame w to the next, in between to first
+            order (Savage-98 Eq. 11-14): an alternative of his Table 1, to see what it costs.
+
+    Cosines and level_every > 1 are for Python, never compiled.
 
     Raises:
         InputError: the state is not one to navigate from (see `check_state`), is outside a gravity
@@ -100,6 +108,9 @@ class Navigator:
         height_damping: HeightDamping | None = None,
         gravity: Gravity = NORMAL,
         compiled: bool | None = None,
+        azimuth: Literal["wander", "free"] = "wander",
+        attitude: Literal["quaternion", "cosines"] = "quaternion",
+        level_every: int = 1,
     ) -> None:
         check_state(state)
         refuse_outside(gravity, state.time, state.lat, state.h)
@@ -109,17 +120,31 @@ class Navigator:
             raise InputError(
                 f"position every {position_every} intervals is not allowed, give 1 or more"
             )
+        if level_every < 1 or level_every != int(level_every):
+            raise InputError(f"level every {level_every} intervals is not allowed, give 1 or more")
+        if azimuth not in ("wander", "free") or attitude not in ("quaternion", "cosines"):
+            raise InputError(
+                f"azimuth {azimuth!r}, attitude {attitude!r}: give wander or free, and quaternion"
+                " or cosines"
+            )
+        plain = attitude == "quaternion" and level_every == 1
+        if compiled and not plain:
+            raise InputError("compiled: not with cosines or level_every, leave it out")
         if height_damping:
             height_damping.fits(interval)
         damping = height_damping.gains if height_damping else (0.0, 0.0, 0.0)
         self._keeper = HeightKeeper(height_damping, interval)
-        self._settings = Settings(interval, int(position_every), False, damping, gravity)
+        free = azimuth == "free"
+        self._settings = Settings(interval, int(position_every), False, damping, gravity, free)
         now = level(state.q, state.v, state.lat, state.lon, state.h, state.wander, gravity)
-        self._stepping: Stepping = (
-            Compiled(required_run(), now, self._settings)
-            if compiled
-            else Interpreted(now, self._settings)
-        )
+        self._stepping: Stepping
+        if compiled:
+            self._stepping = Compiled(required_run(), now, self._settings)
+        elif plain:
+            self._stepping = Interpreted(now, self._settings)
+        else:
+            cosines = attitude == "cosines"
+            self._stepping = Alternative(now, self._settings, cosines, level_every)
         self._compiled, self._state, self._updates = compiled, state, 0
         # the time counts from `_start` on, by intervals, or in `_told` it says itself
         self._start, self._since = state.time, 0
@@ -259,7 +284,8 @@ class Navigator:
     def _interpreted(self, arrays: Sequence[Array], heights: Array) -> NavHistory:
         """`run` in Python."""
         kept = self._stepping
-        self._stepping = Interpreted(kept.level, self._settings)
+        if isinstance(kept, Compiled):
+            self._stepping = Interpreted(kept.level, self._settings)
         try:
             rows = zip(*(map(tuple, array.tolist()) for array in arrays), strict=True)
             held = map(tuple, np.broadcast_to(heights, (len(arrays[0]), 2)).tolist())
@@ -269,11 +295,16 @@ class Navigator:
             ]
             return NavHistory.from_states(states)
         finally:
-            kept.level = self._stepping.level
-            self._stepping = kept
+            if self._stepping is not kept:
+                kept.level = self._stepping.level
+                self._stepping = kept
 
     def _run_to_take(self, intervals: int, compiled: bool | None) -> CompiledRun | None:
         """Compiled code for so many intervals more; None for Python's own."""
+        if isinstance(self._stepping, Alternative):
+            if compiled:
+                raise InputError("compiled: not with cosines or level_every, leave it out")
+            return None
         if compiled is None:
             compiled = self._compiled
         if compiled is None:

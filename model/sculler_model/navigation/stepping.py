@@ -12,7 +12,21 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.frames import Vector
+from sculler_model.frames import (
+    Vector,
+    conjugate,
+    cross,
+    dcm_of_rotation_vector,
+    from_dcm,
+    from_rotation_vector,
+    matrix_product,
+    normalised,
+    orthonormalised,
+    plus,
+    product,
+    rotate,
+    to_dcm,
+)
 from sculler_model.navigation.compiled import CompiledRun
 from sculler_model.navigation.gravity import covers
 from sculler_model.navigation.height import RESTING, Held
@@ -20,9 +34,11 @@ from sculler_model.navigation.wander import (
     NOT_YET,
     Level,
     Settings,
+    displaced,
     geographic,
     level_of,
     numbers_of,
+    settled,
     step,
 )
 
@@ -70,6 +86,53 @@ class Interpreted:
         return (*q, *v, lat, lon, h, wander), covers(settings.gravity, lat, h)
 
 
+class Alternative(Interpreted):
+    """A state carried by other forms of the same equations, to see what each is worth.
+
+    Args:
+        level, settings: as of `Interpreted`.
+        cosines: the attitude is carried as direction cosines (Savage-20 Eq. 1), with the exact
+            coefficients for φ and for ζ, and one step towards orthonormality an update.
+        level_every: major intervals from one turn of the frame L to the next (Savage-98 Eq. 11-14):
+            in between the specific force is turned by what L has turned since, to first order,
+            I - ζ×.
+    """
+
+    def __init__(self, level: Level, settings: Settings, cosines: bool, level_every: int) -> None:
+        super().__init__(level, settings)
+        self._cosines, self._level_every = cosines, level_every
+        self._q, self._dcm = level.q, to_dcm(level.q)
+        self._lag, self._since = NOT_YET, 0
+
+    def update(
+        self, phi: Vector, dv_sf: Vector, dr_sf: Vector | None, held: Held
+    ) -> tuple[Row, bool]:
+        """See `Stepping.update`."""
+        settings, dr = (self._coarse, NOT_YET) if dr_sf is None else (self._fine, dr_sf)
+        begun = from_dcm(self._dcm) if self._cosines else self._q
+        now, lag = self.level._replace(q=begun), rotate(conjugate(begun), self._lag)
+        dv, dr = plus(dv_sf, cross(lag, dv_sf), -1.0), plus(dr, cross(lag, dr), -1.0)
+        turn, after = displaced(now, settings, dv, dr, held)
+        self._lag = plus(self._lag, turn, 1.0)
+        self._since += 1
+        x, y, z = self._lag
+        back = (-x, -y, -z)
+        if self._cosines:
+            self._dcm = matrix_product(self._dcm, dcm_of_rotation_vector(phi))
+            turned = orthonormalised(matrix_product(dcm_of_rotation_vector(back), self._dcm))
+            q = from_dcm(turned)
+        else:
+            self._q = normalised(product(self._q, from_rotation_vector(phi)))
+            q = normalised(product(from_rotation_vector(back), self._q))
+        if self._since == self._level_every:
+            if self._cosines:
+                self._dcm = turned
+            self._q, self._lag, self._since = q, NOT_YET, 0
+        self.level = settled(after, settings, q)
+        found, v, lat, lon, h, wander = geographic(self.level)
+        return (*found, *v, lat, lon, h, wander), covers(settings.gravity, lat, h)
+
+
 _SIX, _NINE = Struct("6d"), Struct("9d")
 
 
@@ -86,7 +149,8 @@ class Compiled:
         self._run = run
         self._carried = np.array(numbers_of(level))
         self._constants = np.array(
-            (settings.interval, settings.position_every, *settings.damping), np.float64
+            (settings.interval, settings.position_every, *settings.damping, settings.free),
+            np.float64,
         )
         self._gravity = settings.gravity.value, settings.gravity.table
         vectors, table = np.zeros((3, 1, 3)), np.zeros((1, 11))

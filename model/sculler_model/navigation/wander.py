@@ -70,6 +70,8 @@ class Settings(NamedTuple):
         high_resolution: position by the doubly integrated increments, not by the trapezoid.
         damping: gains of the height loop k1 (1/s), k2 (1/s²), k3 (1/s³); 0 for no loop.
         gravity: the model to navigate by.
+        free: w does not turn about the vertical against the stars (free azimuth); else it does not
+            over the Earth (wander azimuth).
     """
 
     interval: float
@@ -77,6 +79,7 @@ class Settings(NamedTuple):
     high_resolution: bool
     damping: tuple[float, float, float]
     gravity: Gravity
+    free: bool = False
 
 
 class Level(NamedTuple):
@@ -279,10 +282,15 @@ def between(a: Earth, b: Earth, part: float) -> Earth:
     )
 
 
-def turned_and_pulled(there: Earth, v: Vector, interval: float) -> tuple[Vector, Vector]:
+def about_vertical(turn: Vector, there: Earth, settings: Settings, time: float) -> Vector:
+    """The turn of w over the Earth with its part about the vertical: ρ_z = -ω_ie,z where free."""
+    return (turn[0], turn[1], -time * there.rate[2]) if settings.free else turn
+
+
+def turned_and_pulled(there: Earth, v: Vector, settings: Settings) -> tuple[Vector, Vector]:
     """ζ (rad) and gravity with Coriolis (m/s) over an interval at velocity v (Eq. 7, 17)."""
-    T = interval
-    w_en = travelled(there.curvature, v)
+    T = settings.interval
+    w_en = about_vertical(travelled(there.curvature, v), there, settings, 1.0)
     x, y, z = plus(there.rate, w_en, 1.0)
     pull_x, pull_y, pull_z = plus(there.gravity, cross(plus(w_en, there.rate, 2.0), v), -1.0)
     return (T * x, T * y, T * z), (T * pull_x, T * pull_y, T * pull_z)
@@ -310,7 +318,7 @@ def carried(
     """
     T = settings.interval
     v_mid = plus(now.v, plus(now.v, now.v_past, -1.0), 0.5)
-    zeta, dv_g_cor = turned_and_pulled(mid, v_mid, T)
+    zeta, dv_g_cor = turned_and_pulled(mid, v_mid, settings)
     dv = rotate(now.q, dv_sf)
     once = cross(zeta, dv)
     twice = cross(zeta, once)
@@ -321,7 +329,9 @@ def carried(
         dr = rotate(now.q, dr_sf)
         half = plus(plus(now.v, dv_g_cor, 0.5), damped, 0.5)
         moved = plus(dr, plus(plus(half, once, -1 / 6), twice, 1 / 24), T)
-        zeta, dv_g_cor = turned_and_pulled(mid, (moved[0] / T, moved[1] / T, moved[2] / T), T)
+        zeta, dv_g_cor = turned_and_pulled(
+            mid, (moved[0] / T, moved[1] / T, moved[2] / T), settings
+        )
         dv_sf_w = plus(plus(dv, cross(zeta, plus(dv, dr, -1 / T)), -1.0), twice, 1 / 6)
     else:
         dv_sf_w = plus(plus(dv, once, -0.5), twice, 1 / 12)
@@ -366,6 +376,21 @@ def step(
     Returns:
         The state at the end of the interval.
     """
+    turn, moved_on = displaced(now, settings, dv_sf, dr_sf, held)
+    # attitude: q_wb(new) = q(-ζ) q_wb(old) q(φ), with the ζ of the displacement (Savage-20 Eq. 1)
+    back = from_rotation_vector((-turn[0], -turn[1], -turn[2]))
+    q = normalised(product(back, product(now.q, from_rotation_vector(phi))))
+    return settled(moved_on, settings, q)
+
+
+def displaced(
+    now: Level, settings: Settings, dv_sf: Vector, dr_sf: Vector, held: tuple[float, float]
+) -> tuple[Vector, Level]:
+    """Velocity and position of `step`, and by how much w turns against the stars, ζ (rad).
+
+    The state returned has the attitude of the interval's start still, and its place is not worked
+    out yet: both are up to `settled`.
+    """
     T, j = settings.interval, settings.position_every
     # the middle of the interval, by extrapolation (Savage-98 Eq. 8, 9, 19)
     mid = between(now.earth, now.earth_past, -(now.since + 0.5) / j)
@@ -377,21 +402,25 @@ def step(
     v, moved = carried(now, settings, mid, damped, dv_sf, dr_sf)
 
     # position: what the displacement turns w by (Eq. 71-73)
-    xi = travelled(mid.curvature, moved)
+    xi = about_vertical(travelled(mid.curvature, moved), mid, settings, T)
     travel = plus(now.travel, xi, 1.0)
     climb = now.climb - moved[2] - T * k1 * too_high
-
-    # attitude: q_wb(new) = q(-ζ) q_wb(old) q(φ), with the ζ of the displacement (Savage-20 Eq. 1)
-    turn_x, turn_y, turn_z = plus(xi, mid.rate, T)
-    back = from_rotation_vector((-turn_x, -turn_y, -turn_z))
-    q = normalised(product(back, product(now.q, from_rotation_vector(phi))))
-
     after = Level(
-        q, v, now.v, now.place, now.h, now.earth, now.earth_past,
+        now.q, v, now.v, now.place, now.h, now.earth, now.earth_past,
         now.since + 1, travel, climb, offset,
     )  # fmt: skip
-    if after.since < j:
-        return after
+    return plus(xi, mid.rate, T), after
+
+
+def settled(after: Level, settings: Settings, q: Quaternion) -> Level:
+    """The state with its new attitude, and with its place where it is time for that."""
+    if after.since < settings.position_every:
+        return Level(
+            q, after.v, after.v_past, after.place, after.h, after.earth, after.earth_past,
+            after.since, after.travel, after.climb, after.offset,
+        )  # fmt: skip
     place, h = position(after)
     here = earth_at(place, h, settings.gravity)
-    return Level(q, v, now.v, place, h, here, now.earth, 0, NOT_YET, 0.0, offset)
+    return Level(
+        q, after.v, after.v_past, place, h, here, after.earth, 0, NOT_YET, 0.0, after.offset
+    )

@@ -139,7 +139,40 @@ carrier_options = group(
     click.option(
         "--third-order",
         is_flag=True,
-        help="Correct the rotation vectors for the triple products of smooth manoeuvres.",
+        help="Correct rotation vectors and velocities for the triple products of smooth"
+        " manoeuvres.",
+    ),
+    click.option(
+        "--azimuth",
+        type=click.Choice(["wander", "free"]),
+        default="wander",
+        show_default=True,
+        help="The wander azimuth's frame does not turn about the vertical over the Earth, or, free,"
+        " not against the stars.",
+    ),
+    click.option(
+        "--attitude",
+        type=click.Choice(["quaternion", "cosines"]),
+        default="quaternion",
+        show_default=True,
+        help="What the attitude is carried as (wander only): the same to rounding.",
+    ),
+    click.option(
+        "--level-every",
+        type=click.IntRange(min=1),
+        default=1,
+        show_default=True,
+        metavar="K",
+        help="Major intervals from one turn of the level frame to the next, in between to first"
+        " order (wander only): to see what that costs.",
+    ),
+    click.option(
+        "--rotation",
+        type=click.Choice(["exact", "first-order"]),
+        default="exact",
+        show_default=True,
+        help="Rotation compensation of velocity and displacement: exact, or the first-order forms"
+        " of Savage-98 (Eq. 39, 86), to see what they cost.",
     ),
     click.option(
         "--engine",
@@ -219,7 +252,14 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
     reference, damping = _height_reference(options), options["height_damping"]
     if damping is None and reference is not None:
         damping = DAMPING
-    carrier = Carrier(options["mechanisation"], options["position_every"], damping)
+    carrier = Carrier(
+        options["mechanisation"],
+        options["position_every"],
+        damping,
+        azimuth=options["azimuth"],
+        attitude=options["attitude"],
+        level_every=options["level_every"],
+    )
     return Plan(
         design,
         vectors,
@@ -231,6 +271,7 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
         align=options["align"],
         fine=options["fine"],
         third_order=options["third_order"],
+        rotation=options["rotation"],
         split=options["breaks"] == "split",
         gravity=gravity,
         height_reference=reference,

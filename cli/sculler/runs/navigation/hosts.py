@@ -65,7 +65,8 @@ class HostInPython:
 
     def increments(self, block: VectorBlock) -> MajorIncrements:
         """See `Host`."""
-        found = major_increments(self._plan.design, block).in_axes(self._plan.axes)
+        plan = self._plan
+        found = major_increments(plan.design, block, rotation=plan.rotation).in_axes(plan.axes)
         return found if self._third_order is None else self._third_order(found)
 
     def navigator(self, start: NavState, reference_height: float) -> Mechanisation:

@@ -77,6 +77,9 @@ def _filled(given: Three, other: tuple[float, float, float]) -> tuple[float, flo
     return a, b, c
 
 
+ALTERNATIVES = "--azimuth, --attitude and --level-every"
+
+
 @dataclass(frozen=True)
 class Carrier:
     """What carries the state.
@@ -86,7 +89,7 @@ class Carrier:
         position_every: major intervals from one position update to the next (wander only).
         height_damping: s, time constant of the loop that holds the height, to the run's first one
             or to a reference; None for none.
-        compiled: as of `Navigator` (wander only).
+        compiled, azimuth, attitude, level_every: as of `Navigator` (wander only).
 
     Raises:
         ContradictionError: the north-pointing one with what only the other has.
@@ -96,6 +99,9 @@ class Carrier:
     position_every: int = 1
     height_damping: float | None = None
     compiled: bool | None = None
+    azimuth: Literal["wander", "free"] = "wander"
+    attitude: Literal["quaternion", "cosines"] = "quaternion"
+    level_every: int = 1
 
     def __post_init__(self) -> None:
         if self.mechanisation == "geographic" and self.compiled:
@@ -105,6 +111,13 @@ class Carrier:
                 "--position-every is for the wander azimuth, leave it out or give"
                 " --mechanisation wander"
             )
+        if self.mechanisation == "geographic" and not self.usual:
+            raise ContradictionError(f"{ALTERNATIVES} are for the wander azimuth, leave them out")
+
+    @property
+    def usual(self) -> bool:
+        """It has none of the alternatives."""
+        return (self.azimuth, self.attitude, self.level_every) == ("wander", "quaternion", 1)
 
     def begin(
         self, start: NavState, interval: float, damping: HeightDamping | None, gravity: Gravity
@@ -126,6 +139,9 @@ class Carrier:
             height_damping=damping,
             gravity=gravity,
             compiled=self.compiled,
+            azimuth=self.azimuth,
+            attitude=self.attitude,
+            level_every=self.level_every,
         )
 
 
@@ -198,7 +214,8 @@ class Plan:
             first possible, the last.
         align: seconds of alignment at rest at the beginning; None for none.
         fine: refine it.
-        third_order: correct φ by `ThirdOrder`.
+        third_order: correct φ and ΔV_SF by `ThirdOrder`.
+        rotation: as of `host.major_increments`.
         split: begin anew after a break, which else is refused.
         gravity: the model of gravity.
         height_reference: a measured height that the damping holds to; None for the run's first one.
@@ -222,6 +239,7 @@ class Plan:
     align: float | None = None
     fine: bool = False
     third_order: bool = False
+    rotation: Literal["exact", "first-order"] = "exact"
     split: bool = False
     gravity: Gravity = NORMAL
     height_reference: HeightReference | None = None
@@ -234,6 +252,10 @@ class Plan:
             raise InputError(f'engine: {self.engine!r} is not allowed, give "python" or "c"')
         if self.engine == "c" and self.carrier.compiled:
             raise ContradictionError("compiled is for the engine python, leave it out")
+        if self.engine == "c" and not (self.carrier.usual and self.rotation == "exact"):
+            raise ContradictionError(
+                f"{ALTERNATIVES} and --rotation are for the engine python, leave them out"
+            )
 
     def damping(self, first_height: float) -> HeightDamping | None:
         """What holds the height of a run that began at a height (m)."""
