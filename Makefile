@@ -9,6 +9,7 @@
 #   make bench   speeds, medians of several runs
 #   make accuracy  docs/explanation/accuracy.md and its pictures: the papers' figures beside ours
 #   make buses     docs/explanation/bus-area.md: area and rate of each bus, some minutes
+#   make memories  docs/explanation/memories.md: which memories become block memory, some minutes
 #   make host-c    docs/explanation/host-in-c-targets.md: the host in C for small processors, a minute
 #   make soc       docs/explanation/chip.md: the whole chip flies a log in Verilator, and is placed; ten minutes
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route, about half an hour
@@ -24,7 +25,7 @@ READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses host-c soc prove release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses memories host-c soc prove release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY) $(TOOLS)
@@ -126,6 +127,9 @@ hardware: $(READY)
 
 buses: $(READY)
 	$(BIN)/python -m studies.bus
+
+memories: $(TOOLS)
+	$(BIN)/python -m studies.memories
 
 host-c: $(READY)
 	$(BIN)/python -m studies.host_c

@@ -1,0 +1,1 @@
+"""Which families' block memories the emitted memories become, by Yosys."""
