@@ -2,14 +2,18 @@
 
 It needs no Python to run: any simulator of Verilog-2001 does.  Inside,
 
-* samples come from a file of random counts, in some intervals full-scale ones among them, in others
-  one alone or none, and a few faults; an LFSR stalls both handshakes, and every other result waits
-  until it holds up the samples;
+* samples come from a file (`bench_runs`): random counts, in some intervals all at their rails, in
+  others one alone or none, and faults; an LFSR stalls both handshakes, and every other result waits
+  until it holds up the samples, the first of them longer than any latency;
 * offers that are not taken are sometimes withdrawn, so that samples are lost; which, the bench sees
   for itself, and holds status bit 3 and `samples_lost` to it;
 * where the core drops results, some wait until others have been dropped behind them;
-* after a part of the samples, in mid-interval, reset is held for some clocks while a sample is
-  offered; the rest of the samples then starts from nothing;
+* resets, in which a sample is offered, come in mid-interval, at each clock that a result is on its
+  way, while it is handed over and while it waits; the rest of the samples then starts from nothing;
+* counters are set from inside, when nothing is under way, to just below where a carry runs through
+  a limb of the result's number, or where those of losses stay;
+* what has to have happened by the end is a list of goals, and the bench fails where one was not
+  reached;
 * every result port is compared with the golden model's, bit for bit, when the result (or a word
   of it) comes and for as long as it waits;
 * `sample_ready` and `result_valid` are held to the core's `Timing` on every clock, and no result
@@ -20,38 +24,38 @@ It needs no Python to run: any simulator of Verilog-2001 does.  Inside,
 
 from __future__ import annotations
 
-import random
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from importlib import resources
 from pathlib import Path
 from string import Template
 
-import numpy as np
-from numpy.typing import NDArray
-
 from sculler_hdl import Port, counter_ports, result_ports, sample_ports
-from sculler_model.design import STATUS_LOST, Design, Interval
+from sculler_model.design import STATUS_LOST, Design
 from sculler_model.fast import run_fast
 from sculler_model.golden import (
     COUNTER_MAX,
     RELEASE,
     Timing,
-    clocks_per_major,
     to_words,
     words_per_column,
     words_per_result,
 )
 from sculler_model.outputs import make_folder, replacing
+from sculler_sim.bench_goals import goals_of, inside, numbering, slices
+from sculler_sim.bench_runs import (
+    LEAST,
+    Kind,
+    Least,
+    Run,
+    number_bits,
+    numbers,
+    plan_runs,
+    run_lengths,
+    samples_of,
+    stages,
+)
 
-_SEED = 2001
-_DROPPING = 5  # major intervals after which a result has been dropped
-_CLOCKS = 3  # a sample; cores that take more get fewer samples than `Least` says
-
-Least = tuple[tuple[int, int], tuple[int, int]]
-"""Major intervals and samples, so many at least, before the reset and after it."""
-
-LEAST: Least = ((1, 200), (2, 400))
-"""What a test bench runs that is handed out."""
+__all__ = ["LEAST", "Least", "run_lengths", "testbench", "write_testbench"]
 
 
 class _Template(Template):
@@ -94,61 +98,77 @@ def testbench(
     design: Design, timing: Timing, cells: Collection[str], least: Least
 ) -> dict[str, str]:
     """The test bench's files, text by name; see `write_testbench`."""
-    before, after = run_lengths(design, timing, least)
-    samples = _samples(design, before, after)
-    first = run_fast(design, samples[:before, :6], samples[:before, 6])
-    second = run_fast(design, samples[before:, :6], samples[before:, 6])  # after a reset
+    runs = plan_runs(design, timing, least)
+    samples = samples_of(design, runs)
+    golden = [run_fast(design, rows[:, :6], rows[:, 6]) for rows in samples]  # each after a reset
+    expected = [row for results in golden for row in results.rows()]
 
-    parts = words_per_result(design) if design.hardware.handover == "stream" else 1
-    expected: list[tuple[int, ...]] = [*first.rows(), *second.rows()]
     results = len(expected)
+    parts = words_per_result(design) if design.hardware.handover == "stream" else 1
     if design.hardware.handover == "stream":
         expected = [
             (word, int(i == parts))
             for row in expected
             for i, word in enumerate(to_words(design, row), start=1)
         ]
-
-    # clocks that a sample and a result take at most, stalls and all
-    slowest_sample = timing.spacing + max(timing.work, default=0) + 16
-    slowest_result = timing.latency + parts * (timing.handover_spacing + 16) + 200
-    clocks = 1000 + 2 * timing.startup + slowest_sample * len(samples) + slowest_result * results
-    timeout = clocks * (2 if design.hardware.clock_enable else 1)
-    numbers = {
+    taken = sum(run.samples for run in runs)
+    values = {
         "name": design.name,
         "sources": " ".join(f"{name}.v" for name in (design.name, *cells)),
-        "samples": len(samples),
-        "before": before,
+        "samples": taken,
         "results": results,
-        "results_before": len(first),
         "parts": parts,
-        "timeout": timeout,
+        "timeout": _timeout(design, timing, runs, results * parts),
+        **_runs(design, timing, runs),
+        **goals_of(design, timing, aimed=least.resets > 0),
+        "setters": inside(design, timing, cells) if least.resets else "",
+        "numbering": numbering(design),
         **_contract(design, timing),
         **_port_texts(design),
         **_clocking(design),
     }
     return {
-        f"{design.name}_tb.v": _fill("testbench.v.in", numbers),
-        f"{design.name}_samples.hex": packed_hex(samples.tolist(), sample_ports(design)),
+        f"{design.name}_tb.v": _fill("testbench.v.in", values),
+        f"{design.name}_samples.hex": packed_hex(
+            (row for rows in samples for row in rows.tolist()), sample_ports(design)
+        ),
         f"{design.name}_expected.hex": packed_hex(expected, result_ports(design)),
-        "README.md": _fill("testbench.md.in", numbers),
+        "README.md": _fill("testbench.md.in", values),
     }
 
 
-def run_lengths(design: Design, timing: Timing, least: Least) -> tuple[int, int]:
-    """Samples before and after the reset, as many as `testbench` takes with these arguments.
+def _timeout(design: Design, timing: Timing, runs: Sequence[Run], words: int) -> int:
+    """Clocks that the runs take at most, stalls and all."""
+    slowest_sample = timing.spacing + max(timing.work, default=0) + 16
+    slowest_word = timing.latency + timing.handover_spacing + 216
+    clocks = 1000 + slowest_word * words
+    for run in runs:
+        clocks += slowest_sample * run.samples + run.delay + timing.startup + 3 * timing.latency
+    return clocks * (2 if design.hardware.clock_enable else 1)
 
-    Whole major intervals and a part of one (where one is more than a sample).
-    """
-    per_major = design.samples_per_major
-    slowness = max(1, clocks_per_major(design, timing) // (_CLOCKS * per_major))
-    if design.drops_results:  # one waits until some are dropped
-        least = least[0], (max(least[1][0], _DROPPING), least[1][1])
-    before, after = (
-        max(intervals, -(-fewest // slowness // per_major)) * per_major + per_major // 2
-        for intervals, fewest in least
-    )
-    return before, after
+
+def _runs(design: Design, timing: Timing, runs: Sequence[Run]) -> dict[str, object]:
+    """The table of the runs, and that of the numbers that are set."""
+    lines, samples, results = [], 0, 0
+    for number, run in enumerate(runs):
+        samples += run.samples
+        results += run.samples // design.samples_per_major
+        lines.append(
+            f"      {number}: plan_of = {{32'd{samples}, 32'd{results}, 32'd{run.delay},"
+            f" 4'd{run.reset}, 4'd{list(Kind).index(run.kind)}}};"
+        )
+    bits, found = number_bits(design), numbers(design, timing)
+    return {
+        "runs": len(runs),
+        "resets": len(runs),  # the one at power-up too
+        "stages": stages(runs),
+        "plans": "\n".join(lines),
+        "number_bits": bits,
+        "numbers": len(found),
+        "number_cases": "\n".join(
+            f"      {i}: number_of = {bits}'h{number:x};" for i, number in enumerate(found)
+        ),
+    }
 
 
 def _contract(design: Design, timing: Timing) -> dict[str, object]:
@@ -247,51 +267,6 @@ _PARALLEL_LINE = (
 )
 
 
-def _samples(design: Design, before: int, after: int) -> NDArray[np.int64]:
-    """(before + after, 7) counts and fault for the samples before and after the reset.
-
-    Every third major interval has half of its counts full-scale, some in long runs; the others
-    come within one of full scale, every second of them with a single count that reaches it.  Every
-    fourth has a faulty sample.
-    """
-    rng = random.Random(_SEED)
-    words, span = design.words, design.samples_per_major
-    allowed = [words.gyro] * 3 + [words.accel] * 3
-    parts = []
-    for part, samples in enumerate((before, after)):
-        rows = _wild(rng, allowed, samples)
-        for interval, first in enumerate(range(0, samples, span), start=part):
-            mine = rows[first : first + span]
-            if interval % 3:
-                mine[:] = mine.clip([word.lo + 1 for word in allowed], [w.hi - 1 for w in allowed])
-            if interval % 3 == 2:
-                axis = rng.randrange(6)
-                ends = (allowed[axis].lo, allowed[axis].hi)
-                mine[rng.randrange(len(mine)), axis] = rng.choice(ends)
-        faults = np.zeros((samples, 1), np.int64)
-        for interval, first in enumerate(range(0, samples, span), start=part):
-            if interval % 4 == 1:
-                faults[first + rng.randrange(min(span, samples - first))] = 1
-        parts.append(np.hstack([rows, faults]))
-    return np.concatenate(parts)
-
-
-def _wild(rng: random.Random, allowed: Sequence[Interval], count: int) -> NDArray[np.int64]:
-    """(count, 6) random counts: half of them full-scale, some in long runs."""
-    rows: list[list[int]] = []
-    while len(rows) < count:
-        held = [rng.choice((word.lo, word.hi)) for word in allowed]  # drives sums to their ends
-        for _ in range(rng.choice((1, 2, 3, 40))):
-            rows.append(
-                [
-                    rng.choice((end, end, word.lo, word.hi, rng.randint(-3, 3), uniform))
-                    for end, word in zip(held, allowed, strict=True)
-                    for uniform in [rng.randint(word.lo, word.hi)]
-                ]
-            )
-    return np.array(rows[:count], np.int64)
-
-
 def _fill(template: str, values: dict[str, object]) -> str:
     text = resources.files("sculler_sim").joinpath(template).read_text(encoding="ascii")
     return _Template(text).substitute(values)
@@ -310,16 +285,8 @@ def packed_hex(rows: Iterable[Iterable[int]], ports: Sequence[Port]) -> str:
     return "".join(lines)
 
 
-def _slices(ports: list[Port]) -> Iterator[tuple[Port, str]]:
-    """Each port, and its place in the packed word."""
-    low = 0
-    for port in ports:
-        yield port, f"[{low + port.bits - 1}:{low}]"
-        low += port.bits
-
-
 def _declarations(ports: list[Port]) -> Iterator[str]:
-    for port, place in _slices(ports):
+    for port, place in slices(ports):
         kind = "signed " if port.signed else ""
         wanted = port.name.replace("result_", "want_")
         yield f"  wire {kind}[{port.bits - 1}:0] {port.name};"
@@ -327,7 +294,7 @@ def _declarations(ports: list[Port]) -> Iterator[str]:
 
 
 def _connections(inputs: list[Port], outputs: list[Port]) -> Iterator[str]:
-    for port, place in _slices(inputs):
+    for port, place in slices(inputs):
         yield f"    .{port.name}(sample{place})"
     for port in outputs:
         yield f"    .{port.name}({port.name})"

@@ -22,14 +22,16 @@ def cocotb_bench(contents: Contents, timing: Timing) -> str:
         timing: the core's clocks.
     """
     design = contents.design
-    before, _ = run_lengths(design, timing, LEAST)
+    before, after = run_lengths(design, timing, LEAST)
     parts = words_per_result(design) if design.hardware.handover == "stream" else 1
     template = resources.files("sculler_sim.package").joinpath("cocotb_bench.py.in")
     return _Template(template.read_text(encoding="ascii")).substitute(
         name=contents.name,
         sources=" ".join((*contents.verilog, *contents.models)),
         before=before,
+        samples=before + after,
         words_before=before // design.samples_per_major * parts,
+        words=(before // design.samples_per_major + after // design.samples_per_major) * parts,
         drops=design.drops_results,
         reset=contents.reset.port,
         resets=int(contents.reset.active_high),

@@ -1,0 +1,218 @@
+"""What the generated test bench does from one reset to the next, and the samples for it.
+
+Two long runs come first.  They have random stalls, and major intervals made for the status bits: a
+fault in the first or last sample alone, one count alone at one of its rails, all counts at their
+rails and then all at the other ones.  Short runs follow, each ended by a reset that comes so many
+clocks after its last sample: one for each clock of the latency, where these are few.  The last run
+is for the counters, which the bench sets just below where they carry.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.design import Design, Interval
+from sculler_model.golden import Timing, clocks_per_major, words_per_column, words_per_result
+
+_SEED = 2001
+_DROPPING = 5  # major intervals after which a result has been dropped
+_CLOCKS = 3  # a sample; cores that take more get fewer samples than `Least` says
+_MOST_CLOCKS = 30_000  # of the directed intervals, and of the resets; slow cores get fewer
+_PATTERN = 16  # major intervals until each of the twelve rails was touched alone
+
+
+class Least(NamedTuple):
+    """How long a test bench is.
+
+    Attributes:
+        before, after: major intervals and samples, so many at least, before the first reset and
+            after it.
+        directed: major intervals made for the status bits, of those after it.
+        resets: resets with a result on its way; 0 for the two long runs alone, without goals.
+    """
+
+    before: tuple[int, int]
+    after: tuple[int, int]
+    directed: int
+    resets: int
+
+
+LEAST = Least((1, 200), (2, 400), _PATTERN, 60)
+"""What a test bench runs that is handed out."""
+
+
+class Kind(Enum):
+    """How a run goes."""
+
+    STALLS = "STALLS"  # both handshakes stall; it ends when all results are taken
+    QUICK = "QUICK"  # no stalls; a reset ends it
+    CUT = "CUT"  # stalls; a reset ends it
+    HELD = "HELD"  # the first result stays half taken; a reset ends it
+    COUNTERS = "COUNTERS"  # counters are set, before every other result; as STALLS else
+
+
+@dataclass(frozen=True)
+class Run:
+    """From a reset to the next.
+
+    Attributes:
+        kind: how it goes.
+        samples: that it takes.
+        delay: clocks between the one that takes the last of them and the reset.
+        reset: clocks of that reset.
+    """
+
+    kind: Kind
+    samples: int
+    delay: int
+    reset: int
+
+
+def run_lengths(design: Design, timing: Timing, least: Least) -> tuple[int, int]:
+    """Samples of the two long runs.
+
+    Whole major intervals and a part of one (where one is more than a sample).
+    """
+    per_major = design.samples_per_major
+    clocks = clocks_per_major(design, timing)
+    slowness = max(1, clocks // (_CLOCKS * per_major))
+    directed = min(least.directed, _MOST_CLOCKS // clocks)
+    fewest = max(least.after[0], directed, _DROPPING if design.drops_results else 0)
+    before, after = (
+        max(intervals, -(-samples // slowness // per_major)) * per_major + per_major // 2
+        for intervals, samples in (least.before, (fewest, least.after[1]))
+    )
+    return before, after
+
+
+def plan_runs(design: Design, timing: Timing, least: Least) -> list[Run]:
+    """The runs of a bench."""
+    before, after = run_lengths(design, timing, least)
+    long = [Run(Kind.STALLS, before, 0, 3), Run(Kind.STALLS, after, 0, 1)]
+    if not least.resets:
+        return long
+    return [
+        *long,
+        *_resets(design, timing, least.resets),
+        Run(Kind.COUNTERS, counter_intervals(design, timing) * design.samples_per_major, 0, 0),
+    ]
+
+
+def _resets(design: Design, timing: Timing, most: int) -> Iterator[Run]:
+    """Runs that a reset ends while a result is on its way, is handed over, or waits."""
+    rng = random.Random(_SEED)
+    span, clocks = design.samples_per_major, clocks_per_major(design, timing)
+    intervals = 1 + -(-(timing.latency + 8) // clocks)
+    room = max(1, min(most, _MOST_CLOCKS // (clocks * intervals + timing.startup)))
+    stages = range(timing.latency - 1)
+    delays = list(stages) if len(stages) <= room else sorted(rng.sample(stages, room))
+    parts = words_per_result(design) if design.hardware.handover == "stream" else 1
+    whole = timing.latency + parts * (timing.handover_spacing + 1)
+    back_to_back = 3 + -(-2 * whole // clocks)  # so many that two results come meanwhile
+    for i, delay in enumerate(delays):
+        samples = (back_to_back if i == 0 else intervals) * span
+        yield Run(Kind.QUICK, samples, delay, 3 if i % 4 == 3 else 1)
+    for _ in range(max(1, room // 4)):
+        samples = intervals * span + rng.randrange(span)
+        yield Run(Kind.CUT, samples, rng.randrange(whole), 1)
+    for _ in range(2 if room > 2 else 1):
+        samples = span + rng.randrange(span)
+        yield Run(Kind.HELD, samples, whole + rng.randrange(8), 1)
+
+
+def stages(runs: Sequence[Run]) -> int:
+    """Resets that come while a result is on its way for certain."""
+    return sum(run.kind is Kind.QUICK for run in runs)
+
+
+def number_bits(design: Design) -> int:
+    """Width of a result's number at the ports."""
+    return 16 * words_per_column(design) if design.hardware.handover == "stream" else 64
+
+
+def numbers(design: Design, timing: Timing) -> list[int]:
+    """Numbers of results that the bench sets: the next carries into one more limb of 16 bits each.
+
+    Limbs above are 7fff, so that the carry runs through all of the next one.  Where major
+    intervals are long only the last: all ones.
+    """
+    limbs = number_bits(design) // 16
+    ones, ripple = 0xFFFF, 0x7FFF
+    found = [
+        sum((ones if limb < low else ripple) << 16 * limb for limb in range(limbs))
+        for low in range(1, limbs + 1)
+    ]
+    return found if clocks_per_major(design, timing) * limbs < _MOST_CLOCKS else found[-1:]
+
+
+def counter_intervals(design: Design, timing: Timing) -> int:
+    """Major intervals of the run for the counters: two for each number, and some to lose more."""
+    more = max(8, 64 // design.samples_per_major) if design.drops_results else timing.results + 2
+    return 1 + 2 * len(numbers(design, timing)) + more
+
+
+def samples_of(design: Design, runs: Sequence[Run]) -> list[NDArray[np.int64]]:
+    """(samples, 7) counts and fault of each run.
+
+    Of eight major intervals one has all counts at their rails, or random ones; its counterpart all
+    at the others.  One has none there, six have one alone, at one rail after the other.  Every
+    fourth has a faulty sample, its first, its last or any.
+    """
+    rng = random.Random(_SEED)
+    words, span = design.words, design.samples_per_major
+    allowed = [words.gyro] * 3 + [words.accel] * 3
+    lows, highs = ([getattr(word, end) for word in allowed] for end in ("lo", "hi"))
+    parts, touched = [], 0
+    for number, run in enumerate(runs):
+        rows = _wild(rng, allowed, run.samples)
+        faults = np.zeros((run.samples, 1), np.int64)
+        for interval, first in enumerate(range(0, run.samples, span), start=number):
+            mine, marks = rows[first : first + span], faults[first : first + span]
+            if interval % 8 == 1 and run.kind is Kind.STALLS:
+                mine[:] = np.where(
+                    _coins(interval // 16, mine.shape), *_turn(interval, lows, highs)
+                )
+            elif interval % 8 != 5 and run.kind is Kind.STALLS:
+                mine[:] = mine.clip([low + 1 for low in lows], [high - 1 for high in highs])
+                ends = lows if touched % 2 else highs
+                axis = touched // 2 % 6
+                mine[(0, len(mine) - 1, rng.randrange(len(mine)))[touched % 3], axis] = ends[axis]
+                touched += 1
+            elif interval % 8 == 5:
+                mine[:] = mine.clip([low + 1 for low in lows], [high - 1 for high in highs])
+            if interval % 4 == 2:
+                marks[(0, len(marks) - 1, rng.randrange(len(marks)))[interval // 4 % 3]] = 1
+        parts.append(np.hstack([rows, faults]))
+    return parts
+
+
+def _coins(seed: int, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    rng = random.Random(_SEED + seed)
+    return np.array([[rng.random() < 0.5 for _ in range(shape[1])] for _ in range(shape[0])])
+
+
+def _turn(interval: int, lows: list[int], highs: list[int]) -> tuple[list[int], list[int]]:
+    return (lows, highs) if interval % 16 == 1 else (highs, lows)
+
+
+def _wild(rng: random.Random, allowed: Sequence[Interval], count: int) -> NDArray[np.int64]:
+    """(count, 6) random counts: half of them full-scale, some in long runs."""
+    rows: list[list[int]] = []
+    while len(rows) < count:
+        held = [rng.choice((word.lo, word.hi)) for word in allowed]  # drives sums to their ends
+        for _ in range(rng.choice((1, 2, 3, 40))):
+            rows.append(
+                [
+                    rng.choice((end, end, word.lo, word.hi, rng.randint(-3, 3), uniform))
+                    for end, word in zip(held, allowed, strict=True)
+                    for uniform in [rng.randint(word.lo, word.hi)]
+                ]
+            )
+    return np.array(rows[:count], np.int64)
