@@ -178,7 +178,7 @@ def draw(folder: Path, flight: Measured) -> Path:
         rows[2].plot(time, off, color=GREY, label="chip from truth")
         apart = 3600 * np.abs(chip - python).max(axis=1)
         rows[2].plot(time, apart, color=VERMILION, label="chip from Python")
-        rows[2].set_ylabel("largest angle, arc seconds")
+        rows[2].set_ylabel("largest angle, ″")
         rows[2].set_xlabel("time, s")
         legend(rows[2])
     return path
