@@ -24,6 +24,7 @@ SECONDS = 20
     epilog=terminal.examples(
         f"python -m studies.prove -o {documents.PAGES}",
         "python -m studies.prove --only one_minor --seconds 60",
+        "python -m studies.prove --only one_minor --only compact_one --write",
     )
 )
 @documents.folder_option("proof.md")
@@ -34,10 +35,11 @@ SECONDS = 20
     metavar="SHAPE",
     help="A shape, shown and not written; several times for several: " + ", ".join(SHAPES) + ".",
 )
+@click.option("--write", is_flag=True, help="Write the page of these shapes alone, too.")
 @click.option(
     "--seconds", type=click.IntRange(1), default=SECONDS, show_default=True, help="A property."
 )
-def command(folder: Path, names: tuple[str, ...], seconds: int) -> None:
+def command(folder: Path, names: tuple[str, ...], write: bool, seconds: int) -> None:
     """Prove what is claimed of the cores on small shapes, and write proof.md.
 
     Exit status 1 where a claim is refuted.
@@ -48,7 +50,7 @@ def command(folder: Path, names: tuple[str, ...], seconds: int) -> None:
     found = _settle([name for name in SHAPES if not names or name in names], seconds)
     if names:
         terminal.report({}, False, "\n".join(results(found)))
-    else:
+    if write or not names:
         with replacing(make_folder(folder) / "proof.md") as temporary:
             temporary.write_text(document(found, seconds), encoding="utf-8")
         terminal.report({}, False, f"wrote {terminal.verbatim(folder / 'proof.md')}")

@@ -22,17 +22,33 @@ def document(found: Found, seconds: int) -> str:
         found: all that came out.
         seconds: that each property was given.
     """
-    sections = (_introduction(seconds), _claims(), _shapes(), results(found), _limits())
+    sections = (
+        _introduction(found, seconds),
+        _claims(),
+        _shapes(found),
+        results(found),
+        _limits(),
+    )
     return "\n".join(line for section in sections for line in (*section, "")).rstrip() + "\n"
 
 
-def _introduction(seconds: int) -> Iterator[str]:
+def _introduction(found: Found, seconds: int) -> Iterator[str]:
+    chosen = "".join(f" --only {name}" for name in found) + " --write"
+    whole = len(found) == len(SHAPES)
     yield "# What is proved"
     yield ""
-    yield (
-        "Written by `make prove`; a table of one shape is"
-        " `python -m studies.prove --only one_minor`."
-    )
+    yield "Written by"
+    yield ""
+    yield "<!-- not run: takes half an hour and more -->"
+    yield "```sh"
+    yield f"python -m studies.prove --seconds {seconds}{'' if whole else chosen}"
+    yield "```"
+    if not whole:
+        yield ""
+        yield documents.paragraph(
+            f"These are {len(found)} of {len(SHAPES)} shapes. `make prove` tries all of them, each"
+            " property for longer, which takes hours; the page then says so."
+        )
     yield ""
     yield documents.paragraph(
         "The port contract is proved on the emitted Verilog, for all inputs and stalls, on small"
@@ -62,10 +78,11 @@ def _claims() -> Iterator[str]:
     )
 
 
-def _shapes() -> Iterator[str]:
+def _shapes(found: Found) -> Iterator[str]:
     yield "## Shapes"
     rows = []
-    for name, design in SHAPES.items():
+    for name in found:
+        design = SHAPES[name]
         hardware, algorithm = design.hardware, design.algorithm
         clocks = timing(design)
         what = [
@@ -118,10 +135,14 @@ def _cell(outcome: Outcome | None) -> str:
 def _limits() -> Iterator[str]:
     yield "## What these proofs do not say"
     yield documents.paragraph(
-        "They are about control: when samples and results pass, that none is lost, doubled or"
-        " reordered, and what number and status a result carries. That its vectors are the page's"
-        " integers, and that no word overflows, is tested (golden model, worst-case inputs) and not"
-        " proved here. They are about these shapes: wider counts and longer intervals have longer"
+        "All but `arithmetic` are about control: when samples and results pass, that none is lost,"
+        " doubled or reordered, and what number and status a result carries. `arithmetic` is about"
+        " vectors, for all samples of three bits and without stalls: the first two results of a"
+        " core whose words are as short as its worst case lets them be, beside sums in words that"
+        " nothing can fill. At the widths of sensors, for more than two results, and for"
+        " high-resolution position, that vectors are the page's integers and no word overflows is"
+        " tested (golden model, worst-case inputs) and not proved here. The proofs are about these"
+        " shapes: wider counts and longer intervals have longer"
         " registers and counters of the same kind. Where the table names a number of clocks, the"
         " claim rests on that and on simulation."
     )

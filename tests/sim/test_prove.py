@@ -7,7 +7,8 @@ import re
 import pytest
 
 from sculler_hdl import PROPERTIES, generate, properties
-from sculler_sim.prove.claims import HANDSHAKE
+from sculler_sim.prove.arithmetic import narrowed, settle_arithmetic
+from sculler_sim.prove.claims import FEW_BITS, HANDSHAKE
 from sculler_sim.prove.counter import LABEL, write_counter_problem
 from sculler_sim.prove.engine import Verdict, prove
 from sculler_sim.prove.problem import write_problems
@@ -73,6 +74,32 @@ def test_a_cut_carry_of_the_number_is_found(tmp_path, monkeypatch):
     )
     write_counter_problem(SMALL, tmp_path)
     assert prove(tmp_path, LABEL, SECONDS).verdict is Verdict.REFUTED
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize(
+    "name", [name for name, design in SHAPES.items() if not design.high_resolution]
+)
+def test_the_first_results_of_few_bits_are_the_pages_integers(name, tmp_path):
+    """One interval and the next, all samples; a third where history is all that is multiplied."""
+    design = SHAPES[name]
+    results = 3 if design.algorithm.minors == 1 else 2
+    outcome = settle_arithmetic(design, FEW_BITS, tmp_path, results)
+    assert outcome.verdict is Verdict.PROVED
+
+
+MISTAKES = {
+    "a product has the other sign": (r"unit0_x0_tile00_product - ", "unit0_x0_tile00_product + "),
+    "a sum starts from the one before": (r"restart \? 4'h0 : newest", "newest"),
+    "a sum is a bit too short": (r"^    newest <= n3;$", "    newest <= { n3[2], n3[2:0] };"),
+}
+
+
+@pytest.mark.parametrize("mistake", few_of(MISTAKES, ["a sum is a bit too short"]))
+def test_a_mistake_in_arithmetic_is_found(mistake, tmp_path):
+    verilog = generate(narrowed(SMALL, 2)).verilog
+    text = broken(verilog, *mistake)
+    assert settle_arithmetic(SMALL, 2, tmp_path, 3, text).verdict is Verdict.REFUTED
 
 
 def handshake(gates):

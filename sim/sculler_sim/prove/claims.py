@@ -9,6 +9,8 @@ from pathlib import Path
 
 from sculler_hdl import PROPERTIES, module_ports
 from sculler_model.design import Design
+from sculler_sim.prove.arithmetic import LABEL as ARITHMETIC
+from sculler_sim.prove.arithmetic import settle_arithmetic
 from sculler_sim.prove.counter import LABEL as EVERY_NUMBER
 from sculler_sim.prove.counter import write_counter_problem
 from sculler_sim.prove.engine import Outcome, Verdict, prove
@@ -22,8 +24,13 @@ CLAIMS: dict[str, str] = {
     " from power-up",
     **PROPERTIES,
     EVERY_NUMBER: "the same of major, from every value of its counter, carries of all limbs",
+    ARITHMETIC: "with counts of 3 bits: the first two results are the page's integers, whatever the"
+    " samples are",
 }
 """What each claim says, by its label."""
+
+FEW_BITS = 3
+"""Of a count where the arithmetic is compared."""
 
 HANDSHAKE = ("sample_ready", "result_valid", "result_last", "samples_lost", "results_dropped")
 """Outputs that `reset` is about, of those that a core has."""
@@ -47,6 +54,9 @@ def settle(
     found: dict[str, Outcome] = {}
     for label, outcome in structural(design, folder):
         found[label] = outcome
+        done()
+    if not design.high_resolution:
+        found[ARITHMETIC] = settle_arithmetic(design, FEW_BITS, folder)
         done()
     labels = write_problems(design, folder)
     if write_counter_problem(design, folder):

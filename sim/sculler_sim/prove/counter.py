@@ -11,7 +11,7 @@ from pathlib import Path
 
 from sculler_hdl import module_ports, properties
 from sculler_model.design import Design
-from sculler_sim.prove.problem import FLAT, TOP, run_yosys, top_module, write_core
+from sculler_sim.prove.problem import FLAT, TO_GATES, TOP, run_yosys, top_module, write_core
 
 LABEL = "every_number"
 
@@ -61,7 +61,8 @@ def write_counter_problem(design: Design, folder: Path) -> bool:
     (folder / "properties.sv").write_text(properties(design), encoding="utf-8")
     (folder / "top.v").write_text(top, encoding="utf-8")
     cut = "\n".join(["cutpoint t:$mul", *script])
-    run_yosys(folder, FLAT.format(sources=sources, top=TOP, cut=cut) + _WRITE.format(label=LABEL))
+    flat = FLAT.format(sources=sources, top=TOP, cut=cut, to_gates=TO_GATES)
+    run_yosys(folder, flat + _WRITE.format(label=LABEL))
     return True
 
 

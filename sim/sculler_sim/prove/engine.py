@@ -46,7 +46,7 @@ module \\gate
   end
 end
 GATE
-abc -script "+read_aiger {name}.aig; fold; scorr; {command}; write_status {name}.status"
+abc -script "+{commands}"
 """
 
 _VERDICTS = {
@@ -76,13 +76,63 @@ def prove(folder: Path, name: str, seconds: int) -> Outcome:
     return Outcome(verdict, clocks, time.monotonic() - begun)
 
 
+def prove_unrolled(folder: Path, name: str, clocks: int) -> Verdict:
+    """Prove that no output of NAME.aig is high in so many clocks from power-up.
+
+    All clocks become one circuit without registers, in which nodes that are always the same are
+    found from the inputs on and made one: that is what sums of products need.
+
+    Args:
+        folder: where it lies.
+        name: of the file.
+        clocks: how many.
+
+    Raises:
+        InputError: Yosys is not installed.
+        ToolError: it failed.
+    """
+    unrolled = f"{name}_unrolled"
+    _abc(folder, name, f"read_aiger {name}.aig; frames -i -F {clocks}; write_aiger {unrolled}.aig")
+    left = []
+    for i, literal in enumerate(_outputs(folder / f"{unrolled}.aig")):
+        if literal == 1:
+            return Verdict.REFUTED
+        if literal:
+            left.append(i)
+    each = (
+        f"read_aiger {unrolled}.aig; cone -O {i}; iprove; write_status {name}_{i}.status"
+        for i in left
+    )
+    _abc(folder, name, "; ".join(each))
+    found = {_status(folder, f"{name}_{i}")[0] for i in left}
+    order = (Verdict.REFUTED, Verdict.OPEN)
+    return next((verdict for verdict in order if verdict in found), Verdict.PROVED)
+
+
+def _outputs(path: Path) -> list[int]:
+    """What the outputs of a circuit without registers are: 0 and 1 are constants, else a node."""
+    with path.open("rb") as file:
+        _, _, _, _, outputs, *_ = file.readline().split()  # aig M I L O A
+        return [int(file.readline()) for _ in range(int(outputs))]
+
+
 def _run(folder: Path, name: str, command: str) -> tuple[Verdict, int]:
+    (folder / f"{name}.status").unlink(missing_ok=True)
+    _abc(folder, name, f"read_aiger {name}.aig; fold; scorr; {command}; write_status {name}.status")
+    return _status(folder, name)
+
+
+def _abc(folder: Path, name: str, commands: str) -> None:
+    """Run commands of ABC, which have to write files: what it says is lost."""
     script = folder / f"{name}.ys"
-    script.write_text(_SCRIPT.format(name=name, command=command), encoding="utf-8")
+    script.write_text(_SCRIPT.format(commands=commands), encoding="utf-8")
+    YOSYS.run(folder, "-q", script.name)  # ABC ends the whole process in its own way
+
+
+def _status(folder: Path, name: str) -> tuple[Verdict, int]:
+    """What ABC wrote: the verdict, and clocks."""
     status = folder / f"{name}.status"
-    status.unlink(missing_ok=True)
-    _, said = YOSYS.run(folder, "-q", script.name)  # ABC ends the whole process in its own way
     if not status.is_file():
-        raise ToolError(YOSYS, said or "ABC said nothing")
+        raise ToolError(YOSYS, "ABC said nothing")
     word, clocks, *_ = status.read_text(encoding="ascii").split()
     return _VERDICTS[word], int(clocks)

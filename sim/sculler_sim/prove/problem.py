@@ -127,13 +127,16 @@ def write_core(design: Design, folder: Path, verilog: str | None = None) -> str:
     return " ".join(texts)
 
 
-def top_module(name: str, ports: Sequence[Port], more: Sequence[str] = ()) -> str:
+def top_module(
+    name: str, ports: Sequence[Port], more: Sequence[str] = (), *, properties: bool = True
+) -> str:
     """The core and its properties side by side; all inputs are free.
 
     Args:
         name: of the core.
         ports: of the core.
         more: lines of the module.
+        properties: whether these stand beside it.
     """
     declared = [_declared(port, "input ") for port in ports if not port.output]
     wires = [f"  {_declared(port, 'wire ')};" for port in ports if port.output]
@@ -143,7 +146,7 @@ def top_module(name: str, ports: Sequence[Port], more: Sequence[str] = ()) -> st
             f"module {TOP} ({', '.join(declared)});",
             *wires,
             f"  {name} core ({connections});",
-            f"  {name}_properties checks ({connections});",
+            *([f"  {name}_properties checks ({connections});"] if properties else []),
             *more,
             "endmodule\n",
         ]
