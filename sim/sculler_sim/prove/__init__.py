@@ -3,6 +3,7 @@
 problem     core and properties as one netlist of gates and registers
 counter     the same from every value of the counter of results
 arithmetic  the results of a core of a few bits beside the page's integers
+word_lengths  its accumulators in the intervals that the design declares
 engine      a property of it proved, refuted, or held for so many clocks
 structure   what each output depends on within a clock
 claims      what is claimed of a core, settled

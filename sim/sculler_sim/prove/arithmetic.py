@@ -48,7 +48,9 @@ def narrowed(design: Design, bits: int) -> Design:
     counts = {
         name: getattr(sensor, name).model_copy(update={"bits": bits}) for name in ("gyro", "accel")
     }
-    return design.model_copy(update={"sensor": sensor.model_copy(update=counts)})
+    fields = {name: getattr(design, name) for name in type(design).model_fields}
+    # not a copy, which would keep what has been computed of the wider design
+    return type(design).model_construct(**fields | {"sensor": sensor.model_copy(update=counts)})
 
 
 def write_arithmetic_problem(
@@ -75,22 +77,21 @@ def write_arithmetic_problem(
     """
     if design.high_resolution:
         raise ValueError("high-resolution position is not among the page's lines here")
-    sources, clocks = write_core(design, folder, verilog), _clocks(design, results)
+    sources, clocks = write_core(design, folder, verilog), clocks_for(design, results)
     lines = checker(design, results, clocks)
     top = top_module(design.name, module_ports(design), lines, properties=False)
-    (folder / "top.v").write_text(_at_full_pace(top), encoding="utf-8")
+    (folder / "top.v").write_text(at_full_pace(top), encoding="utf-8")
     run_yosys(folder, _WRITE.format(sources=sources, top=TOP, to_gates=TO_GATES, label=LABEL))
     return clocks
 
 
 def settle_arithmetic(
-    design: Design, bits: int, folder: Path, results: int = 2, verilog: str | None = None
+    design: Design, folder: Path, results: int = 2, verilog: str | None = None
 ) -> Outcome:
-    """Compare the first results of the design with counts of so few bits.
+    """Compare the first results of a design of few bits (`narrowed`).
 
     Args:
         design: the design, without high-resolution position.
-        bits: of a count.
         folder: to work in, a folder that is there.
         results: how many, from power-up on.
         verilog: in place of the core's text.
@@ -100,12 +101,12 @@ def settle_arithmetic(
         ToolError: it failed.
     """
     begun = time.monotonic()
-    clocks = write_arithmetic_problem(narrowed(design, bits), folder, results, verilog)
+    clocks = write_arithmetic_problem(design, folder, results, verilog)
     verdict = prove_unrolled(folder, LABEL, clocks)
     return Outcome(verdict, clocks, time.monotonic() - begun)
 
 
-def _at_full_pace(top: str) -> str:
+def at_full_pace(top: str) -> str:
     """The top with the handshakes' inputs tied."""
     for name, value in (("rst", 0), ("sample_valid", 1), ("result_ready", 1)):
         top = top.replace(f"input [0:0] {name}", f"input [0:0] free_{name}")
@@ -113,7 +114,7 @@ def _at_full_pace(top: str) -> str:
     return top
 
 
-def _clocks(design: Design, results: int) -> int:
+def clocks_for(design: Design, results: int) -> int:
     """Clocks in which the first results come, samples and results without stalls, and some more."""
     clocks = timing(design)
     work = clocks.work or (0,) * design.algorithm.samples

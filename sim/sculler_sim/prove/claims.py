@@ -10,12 +10,14 @@ from pathlib import Path
 from sculler_hdl import PROPERTIES, module_ports
 from sculler_model.design import Design
 from sculler_sim.prove.arithmetic import LABEL as ARITHMETIC
-from sculler_sim.prove.arithmetic import settle_arithmetic
+from sculler_sim.prove.arithmetic import narrowed, settle_arithmetic
 from sculler_sim.prove.counter import LABEL as EVERY_NUMBER
 from sculler_sim.prove.counter import write_counter_problem
 from sculler_sim.prove.engine import Outcome, Verdict, prove
 from sculler_sim.prove.problem import write_problems
 from sculler_sim.prove.structure import Gates
+from sculler_sim.prove.word_lengths import LABEL as WORD_LENGTHS
+from sculler_sim.prove.word_lengths import settle_word_lengths
 
 CLAIMS: dict[str, str] = {
     "no_path": "no output depends on an input within the clock: `sample_ready` on registers only,"
@@ -26,8 +28,13 @@ CLAIMS: dict[str, str] = {
     EVERY_NUMBER: "the same of major, from every value of its counter, carries of all limbs",
     ARITHMETIC: "with counts of 3 bits: the first two results are the page's integers, whatever the"
     " samples are",
+    WORD_LENGTHS: "with counts of 3 bits: until then every accumulator of the pipelined core is in"
+    " the interval that the design declares",
 }
 """What each claim says, by its label."""
+
+FEW_RESULTS = (ARITHMETIC, WORD_LENGTHS)
+"""Claims on the first results alone: left open, nothing is known."""
 
 FEW_BITS = 3
 """Of a count where the arithmetic is compared."""
@@ -56,8 +63,12 @@ def settle(
         found[label] = outcome
         done()
     if not design.high_resolution:
-        found[ARITHMETIC] = settle_arithmetic(design, FEW_BITS, folder)
+        few = narrowed(design, FEW_BITS)
+        found[ARITHMETIC] = settle_arithmetic(few, folder)
         done()
+        if design.hardware.core == "pipelined":
+            found[WORD_LENGTHS] = settle_word_lengths(few, folder)
+            done()
     labels = write_problems(design, folder)
     if write_counter_problem(design, folder):
         labels.append(EVERY_NUMBER)

@@ -34,6 +34,9 @@ class Outcome:
     seconds: float
 
 
+_CONFLICTS = 300_000
+"""After which a solver gives up an output that it neither proves nor refutes; a minute or so."""
+
 # Yosys runs ABC on logic that it extracts; here it is a gate, and ABC reads a file of its own
 _SCRIPT = """
 read_rtlil <<GATE
@@ -100,7 +103,8 @@ def prove_unrolled(folder: Path, name: str, clocks: int) -> Verdict:
         if literal:
             left.append(i)
     each = (
-        f"read_aiger {unrolled}.aig; cone -O {i}; iprove; write_status {name}_{i}.status"
+        f"read_aiger {unrolled}.aig; cone -O {i}; iprove -L {_CONFLICTS};"
+        f" write_status {name}_{i}.status"
         for i in left
     )
     _abc(folder, name, "; ".join(each))
