@@ -36,13 +36,14 @@ def floor_picture(path: Path, places: Mapping[str, Sequence[tuple[int, int]]], t
     with new_figure(path, 8, 6) as figure:
         from matplotlib.colors import ListedColormap
         from matplotlib.patches import Patch
+        from matplotlib.ticker import MaxNLocator
 
         axes = figure.add_subplot()
         colours = ListedColormap(list(_COLOURS.values()))
         axes.imshow(shown, cmap=colours, vmin=-0.5, vmax=len(PARTS) - 0.5, interpolation="nearest")
         axes.grid(False)
         for axis in (axes.xaxis, axes.yaxis):
-            axis.get_major_locator().set_params(integer=True)
+            axis.set_major_locator(MaxNLocator(integer=True))
         axes.set_xlabel("column")
         axes.set_ylabel("row")
         axes.set_title(title, loc="left")
