@@ -14,6 +14,7 @@
 #   make soc       docs/explanation/chip.md: the whole chip flies a log in Verilator, and is placed; ten minutes
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route, about half an hour
 #   make prove   tries to prove port contract and arithmetic of small cores, and writes what it proved; an hour or more
+#   make mutate  changed cores against the test bench that is handed out; hours, goes on where it stopped
 #   make docs    the site of docs/ in build/site, without warnings; DOCS_FLAGS=... for MkDocs
 #   make release-check  wheel and sdist, built and tried outside the tree; they stay in build/release
 #   make clean   remove what the targets made
@@ -25,7 +26,7 @@ READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses memories host-c soc prove release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses memories host-c soc prove mutate release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY) $(TOOLS)
@@ -115,6 +116,9 @@ prove: $(TOOLS)
 
 docs: $(DOCS)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --clean --quiet $(DOCS_FLAGS)
+
+mutate: $(TOOLS)
+	$(BIN)/python -m studies.mutate
 
 bench: $(READY)
 	$(BIN)/python -m studies.bench
