@@ -9,6 +9,7 @@ what Yosys itself maps to them, which knows the blocks independently of us.
 import json
 import random
 import re
+import shlex
 
 import pytest
 
@@ -179,7 +180,9 @@ def test_nexus_and_gowin_cores_pass_their_bench(name, tmp_path):
 @pytest.mark.deep
 @pytest.mark.parametrize("name", NEW)
 def test_nexus_and_gowin_cores_pass_their_bench_in_verilator(name, verilator, tmp_path):
-    done = shell(bench_of(CORES[name], tmp_path)["verilator"], tmp_path, **verilator.environment)
+    command = bench_of(CORES[name], tmp_path)["verilator"]
+    command = command.replace("verilator ", shlex.join(verilator.verilator) + " ", 1)
+    done = shell(command, tmp_path, **verilator.environment)
     assert "PASS: " in done.stdout, done.stdout + done.stderr
 
 
