@@ -21,7 +21,7 @@ RUNNING = [p for p in READ if any(b.language in RUN and not b.reason for b in bl
 DEEP = {"check-in-ci", "choose-an-algorithm", "hold-against-a-truth", "simulate-a-log"}
 """Pages that take long to run: whole simulations, pictures."""
 
-NOT_RUN = 28
+NOT_RUN = 29
 """Blocks of all pages that may be left out."""
 
 

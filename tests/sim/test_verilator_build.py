@@ -334,4 +334,4 @@ def test_the_harness_and_templates_are_part_of_the_package():
     folder = Path(verilator_build.__file__).parents[1]
     files = [path for path in folder.rglob("*") if path.is_file()]
     data = {path.suffix for path in files} - {".py", ".pyc", ".typed"}
-    assert data == {".cpp", ".in"}
+    assert data == {".cpp", ".in", ".v"}
