@@ -27,9 +27,11 @@ def require_scipy() -> None:
         InputError: it is absent; says how to get it.
     """
     try:
-        import scipy  # noqa: F401
+        from scipy.stats import quantile_test  # noqa: F401
     except ImportError as error:
-        raise InputError("a campaign needs SciPy, run: pip install 'sculler[campaign]'") from error
+        raise InputError(
+            "a campaign needs SciPy 1.12 or newer, run: pip install 'sculler[campaign]'"
+        ) from error
 
 
 @dataclass(frozen=True)
