@@ -9,13 +9,20 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from sculler_model.errors import InputError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 MAX_SMALL = 4 << 20
 """Bytes of a design, a response or a spectrum, which are tables that people write or measure."""
@@ -162,6 +169,26 @@ def read_small(path: str | Path, what: str, form: str, name: str | None = None) 
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{name}: not a text file in UTF-8, give {form}") from error
+
+
+def read_toml(path: str | Path, what: str, form: str) -> dict[str, Any]:
+    """A small file of TOML as a mapping.
+
+    Args:
+        path, what, form: as of `read_small`.
+
+    Raises:
+        InputError: it cannot be read, or is not TOML that Python can hold.
+    """
+    text = read_small(path, what, form)
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not valid TOML: {error}") from error
+    except ValueError as error:  # Python's limit on the digits of a whole number
+        raise InputError(f"{path}: a number of too many digits, give fewer") from error
+    except RecursionError as error:
+        raise InputError(f"{path}: brackets too deep in each other, give {form}") from error
 
 
 def require_file(path: str | Path, what: str) -> None:

@@ -132,11 +132,12 @@ def test_quantiles_have_the_binomial_interval() -> None:
     [
         (('name = "turn"', 'name = "turns"'), "motion: name: 'turns' is not known, give one of"),
         (('name = "turn"', ""), "motion: name, points: give one of them"),
-        (("runs = 2", "runs = 0"), "runs: "),
+        (("runs = 2", "runs = 0"), "runs: 0 is not allowed, give a whole number from 1 to 1e6"),
+        (("runs = 2", "runs = " + "[" * 5000), "brackets too deep in each other"),
         (('label = "perfect"', 'label = "noisy"'), "two are called 'noisy', give each a label"),
         (("seconds = 0.4", "seconds = 0.001"), "hold no major interval of"),
         (('preset = "stim300" }', 'presett = "stim300" }'), "sensor.errors.presett"),
-        (("[initial]", "[initials]"), "initials: "),
+        (("[initial]", "[initials]"), "initials: unknown key, did you mean initial?"),
         (("runs = 2", "runs = "), "not valid TOML"),
     ],
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from decimal import Decimal, localcontext
 from functools import cache, partial
 from math import cos, radians, sin, sqrt
+from typing import Any
 
 import numpy as np
 import pytest
@@ -110,14 +111,14 @@ def test_normal_gravity_is_the_slope_of_the_closed_potential(sin_lat: float, hei
     rate, e2, b = mp.mpf("7.292115e-5"), f * (2 - f), a * (1 - f)
     focus = a * mp.sqrt(e2)
 
-    def q(u: object) -> object:
-        return ((1 + 3 * u**2 / focus**2) * mp.atan(focus / u) - 3 * u / focus) / 2  # type: ignore
+    def q(u: Any) -> Any:
+        return ((1 + 3 * u**2 / focus**2) * mp.atan(focus / u) - 3 * u / focus) / 2
 
-    def potential(p: object, z: object) -> object:
-        inner = p**2 + z**2 - focus**2  # type: ignore
-        u2 = (inner + mp.sqrt(inner**2 + 4 * focus**2 * z**2)) / 2  # type: ignore
-        u, sin2 = mp.sqrt(u2), z**2 / u2  # type: ignore
-        turning = rate**2 * (a**2 * q(u) / q(b) * (sin2 - mp.mpf(1) / 3) + p**2) / 2  # type: ignore
+    def potential(p: Any, z: Any) -> Any:
+        inner = p**2 + z**2 - focus**2
+        u2 = (inner + mp.sqrt(inner**2 + 4 * focus**2 * z**2)) / 2
+        u, sin2 = mp.sqrt(u2), z**2 / u2
+        turning = rate**2 * (a**2 * q(u) / q(b) * (sin2 - mp.mpf(1) / 3) + p**2) / 2
         return mp.mpf("3.986004418e14") / focus * mp.atan(focus / u) + turning
 
     s, h = mp.mpf(sin_lat), mp.mpf(height)

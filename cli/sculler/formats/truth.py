@@ -70,16 +70,10 @@ def read_truth(
             begins = binary.read(8)
         tables = next((read for magic, read in _TABLES if begins.startswith(magic)), None)
         if tables is not None:
-            layout, blocks = _of_arrays(path, tables, place)
-            if columns is not None:
-                columns(layout.columns)
-            yield from _states(layout, blocks, advance, passed_over)
+            yield from _states(*_of_arrays(path, tables, place), advance, passed_over, columns)
             return
         with open_blocks(path) as file:
-            layout, blocks = _of_text(file, path, place)
-            if columns is not None:
-                columns(layout.columns)
-            yield from _states(layout, blocks, advance, passed_over)
+            yield from _states(*_of_text(file, path, place), advance, passed_over, columns)
     except OSError as error:
         raise InputError(
             f"{path}: cannot read the truth ({error.strerror}), check the path"
@@ -132,8 +126,11 @@ def _states(
     blocks: Iterator[Array],
     advance: Callable[[int], None] | None,
     passed_over: Callable[[int], None] | None,
+    columns: Callable[[tuple[str, ...]], None] | None,
 ) -> Iterator[NavHistory]:
     """A file's rows as states, checked; there must be some."""
+    if columns is not None:
+        columns(layout.columns)
     number, before, whole = layout.first, -np.inf, 0
     for table in blocks:
         numbers = np.arange(number, number + len(table))

@@ -13,7 +13,7 @@ from sculler.formats import lines
 from sculler.formats.compiled import Kernels, kernels
 from sculler.formats.tables import Block
 from sculler_model.errors import InputError
-from sculler_model.frames import Vector, from_euler, from_local, geodetic
+from sculler_model.frames import Vector, from_euler_rows, from_local, geodetic
 from sculler_model.navigation import MAX_HEIGHT, MIN_HEIGHT, NavHistory
 
 Array = NDArray[np.float64]
@@ -233,8 +233,7 @@ class Layout:
         """Rows as states."""
         attitude = self._part(table, self.attitude, 4 if self.attitude != EULER else 3)
         if self.attitude == EULER:
-            angles = np.radians(attitude).tolist()
-            q = np.array([from_euler(roll, pitch, heading) for roll, pitch, heading in angles])
+            q = from_euler_rows(np.radians(attitude))
         else:
             q = attitude / np.linalg.norm(attitude, axis=1, keepdims=True)
         lat, lon, h = self._places(table)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sculler.library.logs import Log
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.frames import from_euler
+from sculler_model.frames import from_euler_rows
 from sculler_model.motion import MOTIONS, PLACE, Motion, Points, as_felt, through
 from sculler_model.samples import Imperfect, Passing, Quantiser, sample_stamp
 
@@ -119,7 +119,7 @@ def _quaternions(attitude: Any, many: int) -> NDArray[np.float64]:
             f" ({many}, 3)"
         )
     if given.shape[1] == 3:
-        return np.array([from_euler(*angles) for angles in np.radians(given).tolist()])
+        return from_euler_rows(np.radians(given))
     length = np.linalg.norm(given, axis=1, keepdims=True)
     if (np.abs(length - 1) > 1e-6).any():
         raise InputError("attitude: a quaternion is not of length 1, divide it by its length")

@@ -11,6 +11,7 @@ from sculler_model.design.filters import at_another_rate
 from sculler_model.design.hardware import Hardware
 from sculler_model.design.names import RESERVED_WORDS, name_fault
 from sculler_model.design.presets import PRESETS
+from sculler_model.design.reading import fault_of
 from sculler_model.design.result import (
     AXES,
     COLUMNS,
@@ -66,6 +67,7 @@ __all__ = [
     "at_another_rate",
     "columns_of",
     "cross_range",
+    "fault_of",
     "name_fault",
     "range_of_sum",
     "scales_hash",

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import sys
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
@@ -35,13 +34,8 @@ from sculler_model.design.sensor import Sensor
 from sculler_model.design.word_lengths import WordLengths, word_lengths
 from sculler_model.errors import InputError
 from sculler_model.front import Link
-from sculler_model.inputs import read_small
+from sculler_model.inputs import read_toml
 from sculler_model.schema import Part
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 
 class Design(Part):
@@ -121,15 +115,7 @@ class Design(Part):
             InputError: the file cannot be read, is not TOML, or has faults; all are named.
         """
         path = Path(path)
-        text = read_small(path, "design file", "a design in TOML")
-        try:
-            data = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise InputError(f"{path}: not valid TOML: {error}") from error
-        except ValueError as error:  # Python's limit on the digits of a whole number
-            raise InputError(f"{path}: a number of too many digits, give fewer") from error
-        except RecursionError as error:
-            raise InputError(f"{path}: brackets too deep in each other, give a design") from error
+        data = read_toml(path, "design file", "a design in TOML")
         return cls.parse(data, where=str(path), folder=path.parent)
 
     @classmethod

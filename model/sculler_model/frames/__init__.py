@@ -3,6 +3,13 @@
 Arrays of any number of rotations at once.  It imports no other room.
 """
 
+from sculler_model.frames.arrays import (
+    from_euler_rows,
+    quaternions,
+    repeated,
+    rotation_vectors,
+    vectors,
+)
 from sculler_model.frames.earth import (
     EARTH_RATE,
     ECCENTRICITY_SQUARED,
@@ -62,6 +69,7 @@ __all__ = [
     "euler_angles",
     "from_dcm",
     "from_euler",
+    "from_euler_rows",
     "from_local",
     "from_rotation_vector",
     "geodetic",
@@ -73,10 +81,14 @@ __all__ = [
     "orthonormalised",
     "plus",
     "product",
+    "quaternions",
     "radii",
+    "repeated",
     "rotate",
+    "rotation_vectors",
     "to_dcm",
     "to_euler",
     "to_rotation_vector",
     "transport_rate",
+    "vectors",
 ]

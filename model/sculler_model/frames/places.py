@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.frames.earth import ECCENTRICITY_SQUARED, SEMI_MAJOR_AXIS
+from sculler_model.frames.earth import ECCENTRICITY_SQUARED, SEMI_MAJOR_AXIS, radii
 
 Array = NDArray[np.float64]
 Three = tuple[Array, Array, Array]
@@ -19,9 +19,9 @@ _ROUNDS = 4  # each squares an error that begins below 1e-3 at any height from -
 def earth_fixed(lat: Array, lon: Array, h: Array) -> Three:
     """Earth-fixed metres x, y, z of geodetic latitude, longitude (rad) and height (m)."""
     sin_lat = np.sin(lat)
-    prime_vertical = SEMI_MAJOR_AXIS / np.sqrt(1 - ECCENTRICITY_SQUARED * sin_lat**2)
+    _, prime_vertical = radii(sin_lat)
     out = (prime_vertical + h) * np.cos(lat)
-    up = (prime_vertical * (1 - ECCENTRICITY_SQUARED) + h) * sin_lat
+    up = ((1 - ECCENTRICITY_SQUARED) * prime_vertical + h) * sin_lat
     return out * np.cos(lon), out * np.sin(lon), up
 
 

@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 from sculler_model.errors import InputError
 from sculler_model.frames import (
     Quaternion,
-    Quaternions,
-    Vectors,
     conjugate,
     from_dcm,
-    from_euler,
+    from_euler_rows,
     product,
+    quaternions,
     radii,
+    repeated,
     rotate,
+    vectors,
 )
 from sculler_model.motion.curves import Array
 from sculler_model.motion.earthbound import Motion
@@ -100,8 +101,8 @@ def through(points: Points, smoothness: int = 3, name: str = "through points") -
     bare = _path(points, knots, name)
     if points.q is None:
         return replace(bare, turns=(_along_the_way(bare, time, smoothness),))
-    level = _quaternions(bare.state(time).q)  # of a level body: how the grid is turned
-    q = np.stack(product(conjugate(level), _quaternions(points.q)), axis=1)
+    level = quaternions(bare.state(time).q)  # of a level body: how the grid is turned
+    q = np.stack(product(conjugate(level), quaternions(points.q)), axis=1)
     return replace(bare, turns=(Tumble(knots, q),))
 
 
@@ -113,9 +114,8 @@ def _path(points: Points, knots: Knots, name: str) -> Motion:
             (np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)), axis=1
         )
         grid = _grid(normal.mean(axis=0))
-        seen: Vectors = (normal[:, 0], normal[:, 1], normal[:, 2])
-        to_grid = _quaternions(np.tile(conjugate(grid), (len(lat), 1)))
-        x, y, z = rotate(to_grid, seen)
+        to_grid = repeated(conjugate(grid), len(lat))
+        x, y, z = rotate(to_grid, vectors(normal))
         lat, lon = np.arctan2(z, np.hypot(x, y)), np.arctan2(y, x)
         if max(np.abs(lat).max(), np.abs(lon).max()) > _FAR_FROM_GRID:
             raise InputError(
@@ -153,9 +153,7 @@ def _along_the_way(bare: Motion, time: Array, smoothness: int) -> Tumble:
     if np.diff(dense).min() < NEAREST:
         dense = time
     states = bare.state(dense)
-    v_north, v_east, v_down = states.v.T
-    velocity: Vectors = (v_north, v_east, v_down)
-    v = rotate(conjugate(_quaternions(states.q)), velocity)
+    v = rotate(conjugate(quaternions(states.q)), vectors(states.v))
     speed = np.hypot(v[0], v[1])
     known = np.flatnonzero(speed > _SLOW)
     if len(known):
@@ -172,12 +170,5 @@ def _along_the_way(bare: Motion, time: Array, smoothness: int) -> Tumble:
     moving = np.minimum(1, (speed / _SLOW) ** 4)
     bank = moving * np.arctan(speed * turn_rate / BANK_GRAVITY)
     pitch = moving * np.arctan2(-v[2], np.maximum(speed, 1e-9))
-    angles = zip(bank.tolist(), pitch.tolist(), course.tolist(), strict=True)
-    q = np.array([from_euler(*three) for three in angles])
+    q = from_euler_rows(np.stack((bank, pitch, course), axis=1))
     return Tumble(Knots(dense, smoothness), q)
-
-
-def _quaternions(q: Array) -> Quaternions:
-    """The components of (N, 4), each (N,)."""
-    w, x, y, z = q.T
-    return w, x, y, z

@@ -16,11 +16,12 @@ from sculler_model.frames import (
     conjugate,
     from_rotation_vector,
     product,
+    repeated,
     rotate,
     to_dcm,
+    vectors,
 )
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.arrays import repeated, vectors
 from sculler_model.navigation.attitude_estimate import AttitudeEstimate
 from sculler_model.navigation.gravity import NORMAL, Gravity, gravity_at
 from sculler_model.navigation.sensor_noise import SensorNoise, estimated_noise

@@ -13,15 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.frames import (
-    ECCENTRICITY_SQUARED,
     Quaternions,
     Vectors,
     conjugate,
+    earth_fixed,
     product,
-    radii,
+    quaternions,
     rotate,
+    rotation_vectors,
+    vectors,
 )
-from sculler_model.navigation.arrays import quaternions, rotation_vectors, vectors
 from sculler_model.navigation.state import NavHistory
 
 Array = NDArray[np.float64]
@@ -106,8 +107,4 @@ def _level_frame(history: NavHistory) -> Quaternions:
 
 def _cartesian(history: NavHistory) -> Vectors:
     """Position in Earth axes, m."""
-    sin_lat, cos_lat = np.sin(history.lat), np.cos(history.lat)
-    _, prime_vertical = radii(sin_lat)
-    across = (prime_vertical + history.h) * cos_lat
-    along = ((1 - ECCENTRICITY_SQUARED) * prime_vertical + history.h) * sin_lat
-    return across * np.cos(history.lon), across * np.sin(history.lon), along
+    return earth_fixed(history.lat, history.lon, history.h)

@@ -13,9 +13,16 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.frames import EARTH_RATE, Quaternions, Vectors, conjugate, product, rotate
+from sculler_model.frames import (
+    EARTH_RATE,
+    Quaternions,
+    Vectors,
+    conjugate,
+    product,
+    rotate,
+    rotation_vectors,
+)
 from sculler_model.host import MajorIncrements
-from sculler_model.navigation.arrays import rotation_vectors
 from sculler_model.navigation.state import NavHistory
 
 Array = NDArray[np.float64]

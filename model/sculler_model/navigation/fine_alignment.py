@@ -27,6 +27,7 @@ from sculler_model.frames import (
     from_rotation_vector,
     product,
     rotate,
+    vectors,
 )
 from sculler_model.host import MajorIncrements
 from sculler_model.navigation.alignment import (
@@ -35,7 +36,6 @@ from sculler_model.navigation.alignment import (
     align,
     attitudes_at_rest,
 )
-from sculler_model.navigation.arrays import vectors
 from sculler_model.navigation.attitude_estimate import AttitudeEstimate
 from sculler_model.navigation.gravity import NORMAL, Gravity, gravity_at
 from sculler_model.navigation.sensor_noise import SensorNoise

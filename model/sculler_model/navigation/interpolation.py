@@ -5,8 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.frames import Quaternions, conjugate, product, radii
-from sculler_model.navigation.arrays import quaternions, rotation_vectors, vectors
+from sculler_model.frames import (
+    Quaternions,
+    conjugate,
+    product,
+    quaternions,
+    radii,
+    rotation_vectors,
+    vectors,
+)
 from sculler_model.navigation.errors import known_quantities
 from sculler_model.navigation.state import NavHistory
 

@@ -16,7 +16,7 @@ from sculler_model.errors import Error, InputError
 from sculler_model.fast import FastModel
 from sculler_model.frames import from_rotation_vector, product, radii
 from sculler_model.host import major_increments
-from sculler_model.motion import Motion, as_felt
+from sculler_model.motion import as_felt
 from sculler_model.navigation import (
     HeightDamping,
     NavHistory,
@@ -113,7 +113,7 @@ class _Run:
         self._design, self._checks, self._seed = design, checks, seed
         self._imperfect, self._quantise = Imperfect(design, seed), Quantiser(design)
         self._model = FastModel(design)
-        true = _at(campaign.motion, checks.start)
+        true = campaign.motion.state(np.array([checks.start])).state(0)
         table = campaign.tables.navigator
         damping = None
         if table.height_damping is not None:
@@ -145,7 +145,7 @@ class _Run:
         wanted = self._checks.intervals
         here = wanted[(wanted >= begin) & (wanted < end)] - begin
         if len(here):
-            self._kept.append(_rows(states, here))
+            self._kept.append(states.rows(here))
 
     def errors(self) -> Array:
         """(checkpoints, 9): attitude (rad), velocity and position errors."""
@@ -169,24 +169,4 @@ def disturbed(true: NavState, table: InitialTable, seed: int) -> NavState:
         true.lat + north / (meridian + true.h),
         true.lon + east / ((prime_vertical + true.h) * float(np.cos(true.lat))),
         true.h - down,
-    )
-
-
-def _at(motion: Motion, time: float) -> NavState:
-    states = motion.state(np.array([time]))
-    w, x, y, z = states.q[0].tolist()
-    north, east, down = states.v[0].tolist()
-    place = float(states.lat[0]), float(states.lon[0]), float(states.h[0])
-    return NavState(time, (w, x, y, z), (north, east, down), *place)
-
-
-def _rows(states: NavHistory, rows: NDArray[np.int64]) -> NavHistory:
-    return NavHistory(
-        states.time[rows],
-        states.q[rows],
-        states.v[rows],
-        states.lat[rows],
-        states.lon[rows],
-        states.h[rows],
-        states.wander[rows],
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
-import sys
 from math import radians
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,16 +12,11 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError, model_validator
 
 from sculler.runs.motion import Shaking, read_points
-from sculler_model.design import Design
+from sculler_model.design import Design, fault_of
 from sculler_model.errors import InputError
-from sculler_model.inputs import read_small
+from sculler_model.inputs import read_toml
 from sculler_model.motion import MOTIONS, PLACE, Motion
 from sculler_model.schema import Part
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 _ANGLES = ("lat", "lon", "heading")
 Many = Annotated[float, Field(ge=0, le=1e9, description="a number from 0 to 1e9")]
@@ -182,17 +176,12 @@ class Campaign:
         Raises:
             InputError: it cannot be read or has faults; all are named.
         """
-        text = read_small(path, "campaign file", "a campaign in TOML")
+        data = read_toml(path, "campaign file", "a campaign in TOML")
         try:
-            tables = Tables.model_validate(tomllib.loads(text))
-        except tomllib.TOMLDecodeError as error:
-            raise InputError(f"{path}: not valid TOML: {error}") from error
+            tables = Tables.model_validate(data)
         except ValidationError as error:
-            faults = []
-            for fault in error.errors():
-                key = ".".join(map(str, fault["loc"]))
-                told = fault["msg"].removeprefix("Value error, ")
-                faults.append(f"{key}: {told}" if key else told)
+            named = dict(fault_of(Tables, details) for details in error.errors())
+            faults = [f"{key}: {fault}" if key else fault for key, fault in named.items()]
             raise InputError(f"{path}: " + "; ".join(faults)) from error
         try:
             return cls(tables, path.parent)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.frames import Quaternion, Quaternions, Vectors
+from sculler_model.frames.rotation import Quaternion, Quaternions, Vectors, from_euler
 
 Array = NDArray[np.float64]
 
@@ -34,3 +34,8 @@ def rotation_vectors(q: Quaternions) -> Array:
     scale = np.where(small, 2.0, 2 * np.arctan2(sine, np.abs(q[0])) / np.where(small, 1.0, sine))
     scale = np.copysign(scale, q[0])
     return np.stack((scale * q[1], scale * q[2], scale * q[3]), 1)
+
+
+def from_euler_rows(angles: Array) -> Array:
+    """Quaternions (N, 4) of (N, 3) roll, pitch, heading (rad), as `from_euler`."""
+    return np.array([from_euler(*row) for row in angles.tolist()])
