@@ -96,6 +96,7 @@ def test_without_python_ins_one_line_says_so(
     assert report().splitlines()[-1] == f"navigators not compared: {line}"
 
 
+@pytest.mark.deep
 def test_both_cores_are_simulated(tmp_path: Path) -> None:
     names = [task.name for task in bench.tasks(Design.preset("stim300"), tmp_path) if task.clocks]
     assert names == [

@@ -18,7 +18,16 @@ ROOT = Path(__file__).parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 READ = [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 RUNNING = [p for p in READ if any(b.language in RUN and not b.reason for b in blocks(p))]
-DEEP = {"check-in-ci", "choose-an-algorithm", "hold-against-a-truth", "simulate-a-log"}
+DEEP = {
+    "check-in-ci",
+    "choose-an-algorithm",
+    "hold-against-a-truth",
+    "simulate-a-log",
+    "host-in-c",
+    "fly-a-campaign",
+    "sensor-wire",
+    "on-a-bus",
+}
 """Pages that take long to run: whole simulations, pictures."""
 
 NOT_RUN = 29

@@ -127,7 +127,7 @@ def test_manifest_of_the_default_design():
     assert Design.parse(manifest["design"]) == Design.preset("stim300")
 
 
-@pytest.mark.parametrize("name", few_of(["dense_time_3", "dense_odd_3"], ["dense_odd_3"]))
+@pytest.mark.parametrize("name", few_of(["dense_time_3", "dense_odd_3", "smallest"], ["smallest"]))
 def test_same_design_same_bytes_in_another_process(name, tmp_path):
     design = DESIGNS[name]
     script = (

@@ -71,7 +71,7 @@ def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", tiers.few_of(COMPILERS, ["gcc"]))
 def test_compilers_have_nothing_to_say(compiler: str, sources: Path, tmp_path: Path) -> None:
     """And outside nothing is called but listed functions of <math.h>, and copies of memory."""
     flags = ["-std=c99", "-ffreestanding", "-O2", *WARNINGS]
@@ -149,6 +149,7 @@ def flight(design: Design, seconds: float) -> tuple[bytes, NavHistory, list[int]
     return words, states, block.status.tolist()
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_the_program_of_the_page_under_sanitizers(
     compiler: str, sources: Path, tmp_path: Path

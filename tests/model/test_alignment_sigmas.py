@@ -148,6 +148,7 @@ def test_told_is_found_with_noise_that_the_window_shows(unit: Unit) -> None:
         assert told == pytest.approx(found, rel=WITHIN, abs=0), name
 
 
+@pytest.mark.deep
 def test_told_is_found_with_all_given() -> None:
     """Biases too: heading is off by the east one's, level by the accelerometers'."""
     bias, tilt = radians(0.05) / 3600, 3e-4

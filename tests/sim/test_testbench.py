@@ -49,6 +49,7 @@ def test_verilators_full_lint_has_nothing_to_say(verilator, design, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.deep
 def test_the_readmes_command_runs_in_verilator(verilator, tmp_path):
     command = verilator_command(verilator, bench_of(DESIGNS["smallest"], tmp_path)["verilator"])
     compile_, run = command.split(" && ")

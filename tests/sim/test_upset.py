@@ -142,6 +142,7 @@ def counts_from(bits):
     return ", ".join(connections), low
 
 
+@pytest.mark.deep
 def test_each_word_by_itself(tmp_path):
     """Two cores reset together, each word of one turned over before: they never differ again."""
     design = compact(CN1)

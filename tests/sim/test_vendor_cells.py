@@ -246,7 +246,9 @@ def test_yosyss_multiplications_are_right_with_our_mult18x18d(signed, tmp_path):
 
 
 @pytest.mark.usefixtures("icarus")
-@pytest.mark.parametrize(("width", "depth"), [(18, 1024), (9, 2048)])
+@pytest.mark.parametrize(
+    ("width", "depth"), [(18, 1024), pytest.param(9, 2048, marks=pytest.mark.deep)]
+)
 def test_yosyss_memories_are_right_with_our_dp16kd(width, depth, tmp_path):
     """A memory that Yosys maps to the block, beside the same as registers: all words, both ways."""
     top = (depth - 1).bit_length() - 1

@@ -26,11 +26,13 @@ ENDS = [(axis, sign) for axis in range(3) for sign in (1, -1)]
 SOLVED = [name for name in DESIGNS if name not in ("savage_1p1", "taylor_8p8", "rate_2p0")]
 """The others have too many corners to go through."""
 
+SLOW = ("late_sum_2", "rate_4p1")
+
 SIMULATED = """stim300_4x5 taylor_2p0 taylor_2p1 taylor_3p3 taylor_7p0 wide_5p0 rate_1p0 rate_4p1
     dense_time_3 dense_uncompressed_4 dense_odd_3 time_3p2 smallest late_sum_2""".split()
 
 EACH_SIMULATED = pytest.mark.parametrize(
-    "name", few_of(SIMULATED, "stim300_4x5 wide_5p0 dense_odd_3 smallest".split())
+    "name", few_of(SIMULATED, "stim300_4x5 dense_odd_3 smallest".split())
 )
 
 # Designs whose sums would fit one bit less than the intervals give them.  In the within sums of
@@ -57,7 +59,7 @@ def compressed(design):
     return last_only and not any(table.taps[-1][table.samples - 1 :])
 
 
-@pytest.mark.parametrize("name", SOLVED)
+@pytest.mark.parametrize("name", few_of(SOLVED, [n for n in SOLVED if n not in SLOW]))
 def test_how_far_the_intervals_are_from_the_true_extremes(name):
     design = DESIGNS[name]
     words, minors = design.words, design.algorithm.minors
