@@ -150,6 +150,7 @@ def test_navigate_takes_the_third_order(run: Run, tmp_path: Path) -> None:
         where = ("--lat", "48", "--lon", "11", "--height", "0", "--no-plots")
         outcome = run("navigate", path, vectors, "-o", tmp_path / name, *where, *words)
         assert outcome.status == 0
+        assert ("101 intervals corrected" in " ".join(outcome.out.split())) == bool(words)
         last = (tmp_path / name).read_text().splitlines()[-1].split(",")
         ends.append(np.array(last[1:5], float))
     assert 1e-8 < np.abs(ends[0] - ends[1]).max() < 1e-6

@@ -94,6 +94,27 @@ def test_increments(design: Design) -> None:
     assert same(MajorIncrements.concatenate(halves), expected)
 
 
+@pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
+def test_third_order(design: Design) -> None:
+    """Where the rate is smooth, where it shakes, and after results of short history."""
+    sensor, count = design.sensor, 120 * design.samples_per_major
+    u = np.arange(count) / count
+    curves = np.column_stack([np.sin((3 + k) * u + k) for k in range(6)])
+    curves[(u > 0.5) & (u < 0.6)] *= -0.5
+    size = np.repeat([2 ** (sensor.gyro.bits - 12), 2 ** (sensor.accel.bits - 6)], 3)
+    block = FastModel(design).feed(np.rint(size * curves).astype(np.int64))
+    host, expected = HostInC(design), ThirdOrder()
+    memory = host.third_order()
+    parts = [block[k : k + 7] for k in range(0, 120, 7)]
+    for part in parts:
+        assert same(
+            host.increments(part, third_order=memory), expected(major_increments(design, part))
+        )
+    assert expected.corrected > 60
+    assert expected.left > 10
+    assert host.third_order_count(memory) == (expected.corrected, expected.left)
+
+
 def test_increments_of_turns_beyond_a_radian_to_rounding() -> None:
     """There numpy's sine, which may not be the C library's, takes the place of the series."""
     sensor = {"gyro": {"bits": 24, "lsb": 2e-6}}

@@ -131,6 +131,9 @@ def test_joining_what_does_not_belong_together() -> None:
 def test_the_third_order_begins_after_it() -> None:
     """A short interval tells no rate: what follows is as if it had never been."""
     inc = increments(8, 0)
+    turn = np.linspace(0.01, 0.02, 8)
+    smooth = np.column_stack((turn, turn**2, 1 - np.cos(10 * turn)))
+    inc = replace(inc, phi=smooth, alpha=smooth)
     alone, after = ThirdOrder()(inc[1:]).phi, ThirdOrder()(inc).phi[1:]
     assert np.array_equal(alone, after)
     parts = ThirdOrder()

@@ -47,8 +47,8 @@ class HostInC:
     def __init__(self, design: Design, *flags: str) -> None:
         self.design = design
         self._library = ctypes.CDLL(str(build(design, *flags)))
-        for name in ("engine_size", "engine_run", "engine_align_size", "engine_align_steps"):
-            getattr(self._library, name).restype = ctypes.c_size_t
+        for name in ("size", "run", "align_size", "align_steps", "third_order_size"):
+            getattr(self._library, f"engine_{name}").restype = ctypes.c_size_t
 
     @property
     def functions(self) -> Any:
@@ -57,7 +57,13 @@ class HostInC:
 
     def third_order(self) -> ctypes.Array[ctypes.c_char]:
         """Memory of the third-order correction, at its beginning."""
-        return ctypes.create_string_buffer(128)
+        return ctypes.create_string_buffer(self._library.engine_third_order_size())
+
+    def third_order_count(self, memory: ctypes.Array[ctypes.c_char]) -> tuple[int, int]:
+        """How many intervals that memory's correction has changed, and left as they are."""
+        count = (ctypes.c_uint32 * 2)()
+        self._library.engine_third_order_count(memory, count)
+        return count[0], count[1]
 
     def increments(
         self,

@@ -42,7 +42,9 @@ def increments(
         design: whose vectors they are.
         vectors: the results of R consecutive major intervals.
         axes: which sensor axis becomes which body axis, as "y,x,-z"; sensor axes if left out.
-        third_order: correct φ by the terms of third order that two-rate algorithms leave out.
+        third_order: correct φ and ΔV_SF by the terms of third order that two-rate algorithms leave
+            out, where the rate is smooth (`host.ThirdOrder`).  Give it the vectors from the first
+            one on that you navigate with: what the first four lack is added to the fifth.
 
     Returns:
         phi, alpha (R, 3) rad; dv_sf (R, 3) m/s and, of a design with high-resolution position,
@@ -246,7 +248,8 @@ def navigate(
               (m/s): 0 if left out
             - `align`: seconds at rest at the beginning to find the attitude from; `fine`: refine it
             - `axes`: which sensor axis becomes which body axis, as "y,x,-z"
-            - `third_order`: correct φ by the terms of third order
+            - `third_order`: correct φ and ΔV_SF by the terms of third order where the rate is
+              smooth
             - `mechanisation`: "wander" (works at the poles) or "geographic"; `position_every`:
               major intervals from one position update to the next
             - `height_damping`: s, time constant of a loop that holds the height, to the first one

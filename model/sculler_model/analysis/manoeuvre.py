@@ -28,7 +28,7 @@ from sculler_model.analysis.integer_path import (
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import conjugate, product
-from sculler_model.host import major_increments, third_order_terms
+from sculler_model.host import MajorIncrements, ThirdOrder, major_increments
 
 Array = NDArray[np.float64]
 
@@ -237,8 +237,7 @@ def split(design: Design, manoeuvre: Manoeuvre, minors: int, own_sensor: bool) -
     phi, alpha = unquantised(design, samples)
     counted = major_increments(design, through_core(design, samples))
     algorithm = running_attitude(phi)
-    corrected = phi.copy()
-    corrected[2:] += third_order_terms(alpha)
+    corrected = ThirdOrder()(MajorIncrements(phi, alpha, np.zeros_like(phi))).phi
     complete = errors(algorithm, truth)
     return Split(
         minors,

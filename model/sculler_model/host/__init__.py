@@ -19,7 +19,13 @@ from sculler_model.host.scaling import (
     second_order_corrections,
     uncorrected,
 )
-from sculler_model.host.third_order import ThirdOrder, third_order_terms, velocity_terms
+from sculler_model.host.third_order import (
+    ThirdOrder,
+    rotation_terms,
+    slopes,
+    third_order_terms,
+    velocity_terms,
+)
 
 __all__ = [
     "MajorIncrements",
@@ -31,7 +37,9 @@ __all__ = [
     "one_minus_cosine",
     "one_minus_sine",
     "position_rotation",
+    "rotation_terms",
     "second_order_corrections",
+    "slopes",
     "third_order_terms",
     "uncorrected",
     "velocity_higher_orders",

@@ -61,8 +61,8 @@ def major_increments(
     Args:
         design: the design.
         block: consecutive major intervals.
-        third_order: correct φ and ΔV_SF as `ThirdOrder` does, which says when that helps; the
-            block's first two intervals stay as they are.
+        third_order: correct φ and ΔV_SF as `ThirdOrder` does, which says where that holds; what
+            the block's first four intervals lack is added to the fifth.
         rotation: "first-order" for the cheap compensations of Savage-98, to see what they cost:
             ½ α×υ (Eq. 39; with sculling that is Eq. 40-41) and (S_α×υ + α×S_υ)/6 (Eq. 86), and
             nothing of higher order.

@@ -140,7 +140,7 @@ carrier_options = group(
         "--third-order",
         is_flag=True,
         help="Correct rotation vectors and velocities for the triple products of smooth"
-        " manoeuvres.",
+        " manoeuvres, where the rate is smooth over five intervals; the others stay as they are.",
     ),
     click.option(
         "--azimuth",

@@ -289,72 +289,211 @@ void sculler_in_axes(const sculler_axes *axes, sculler_increments *increments)
     increments->dr_sf = to_body(axes, increments->dr_sf);
 }
 
-/* aT, bT^2 and cT^3 of a parabola a + bt + ct^2 at the middle of the last of three intervals, of its
- * integrals over them. */
+/* aT, bT^2, cT^3, dT^4 and eT^5 of w = a + bt + ct^2 + dt^3 + et^4 about the middle of an interval T,
+ * or integrals of w over five consecutive ones, the oldest first. */
+enum { INTERVALS = 5, WINDOW = 10 };
 typedef struct {
-    sculler_vector first, second, third;
-} parabola;
+    sculler_vector of[INTERVALS];
+} five;
 
-static parabola parabola_of(sculler_vector oldest, sculler_vector before, sculler_vector now)
+/* About the middle of the last interval, of the integrals. */
+static five slopes(const five *sums)
 {
-    parabola p;
-    p.second = sculler_plus(sculler_plus(sculler_times(1.5, now), before, -2.0), oldest, 0.5);
-    p.third = sculler_plus(less(sculler_times(0.5, now), before), oldest, 0.5);
-    p.first = less(now, sculler_per(p.third, 12.0));
-    return p;
+    static const double fit[INTERVALS][INTERVALS] = {
+        {-71.0, 364.0, -746.0, 684.0, 1689.0},
+        {9.0, -50.0, 120.0, -174.0, 95.0},
+        {7.0, -36.0, 74.0, -68.0, 23.0},
+        {3.0, -14.0, 24.0, -18.0, 5.0},
+        {1.0, -4.0, 6.0, -4.0, 1.0},
+    };
+    static const double divisor[INTERVALS] = {1920.0, 48.0, 16.0, 12.0, 24.0};
+    five found;
+    for (unsigned k = 0; k < INTERVALS; k++) {
+        sculler_vector total = sculler_times(0.0, sums->of[0]);
+        for (unsigned i = 0; i < INTERVALS; i++) {
+            total = sculler_plus(total, sums->of[i], fit[k][i]);
+        }
+        found.of[k] = sculler_per(total, divisor[k]);
+    }
+    return found;
 }
 
-/* With the rate a parabola over three intervals,
+/* The same polynomials about another middle and for another length, both in intervals. */
+static five of_part(const five *rates, double middle, double length)
+{
+    static const double choose[INTERVALS][INTERVALS] = {
+        {1.0, 1.0, 1.0, 1.0, 1.0}, {0.0, 1.0, 2.0, 3.0, 4.0}, {0.0, 0.0, 1.0, 3.0, 6.0},
+        {0.0, 0.0, 0.0, 1.0, 4.0}, {0.0, 0.0, 0.0, 0.0, 1.0},
+    };
+    five found;
+    double scale = 1.0;
+    for (unsigned k = 0; k < INTERVALS; k++) {
+        sculler_vector total = rates->of[k];
+        double power = 1.0;
+        for (unsigned j = k + 1u; j < INTERVALS; j++) {
+            power *= middle;
+            total = sculler_plus(total, rates->of[j], choose[k][j] * power);
+        }
+        scale *= length;
+        found.of[k] = sculler_times(scale, total);
+    }
+    return found;
+}
+
+/* With a1 = aT, a2 = bT^2, a3 = cT^3,
  *
  *     phi - (alpha + 1/2 int alpha x w) = a1x(a1xa3)/360 - a2x(a1xa2)/240 - a1x(a1x(a1xa2))/720
  *
  * the third- and fourth-order terms of the Magnus series for a rate in body axes. */
-static sculler_vector third_order_terms(const parabola *a)
+static sculler_vector third_order_terms(const five *a)
 {
-    sculler_vector once = sculler_cross(a->first, a->second);
-    sculler_vector first = sculler_cross(a->first, sculler_cross(a->first, a->third));
-    sculler_vector second = sculler_cross(a->second, once);
-    sculler_vector third = sculler_cross(a->first, sculler_cross(a->first, once));
+    sculler_vector once = sculler_cross(a->of[0], a->of[1]);
+    sculler_vector first = sculler_cross(a->of[0], sculler_cross(a->of[0], a->of[2]));
+    sculler_vector second = sculler_cross(a->of[1], once);
+    sculler_vector third = sculler_cross(a->of[0], sculler_cross(a->of[0], once));
     return less(
         less(sculler_per(first, 360.0), sculler_per(second, 240.0)), sculler_per(third, 720.0));
 }
 
-/* The third and fourth order of int w x int w x ... f, less what Eq. 51 and sculling have of it, with
- * rate and force parabolas over three intervals (sculler_model.host.velocity_terms). */
-static sculler_vector velocity_terms(const parabola *a, const parabola *u)
+/* Of half an interval: its alpha, what phi has beyond it, and what of that is of third order on. */
+typedef struct {
+    sculler_vector alpha, small, terms;
+} half;
+
+static half half_of(const five *rates, double middle)
 {
-    sculler_vector once = sculler_cross(a->first, u->first);
-    sculler_vector slope = sculler_cross(a->first, u->second);
-    sculler_vector turned = sculler_cross(a->second, u->first);
+    five a = of_part(rates, middle, 0.5);
+    half h;
+    h.terms = third_order_terms(&a);
+    h.alpha = added(
+        added(a.of[0], sculler_per(a.of[2], 12.0)), sculler_per(a.of[4], 80.0));
+    h.small = added(cross_per(a.of[0], a.of[1], 12.0), h.terms);
+    return h;
+}
+
+/* What the second-order phi lacks: the terms of both halves of the interval, put together by Baker,
+ * Campbell and Hausdorff without what the coning of the whole has (sculler_model.host). */
+static sculler_vector rotation_terms(const five *rates)
+{
+    half one = half_of(rates, -0.25), other = half_of(rates, 0.25);
+    sculler_vector left = added(one.alpha, one.small), right = added(other.alpha, other.small);
+    sculler_vector w = sculler_cross(left, right);
+    sculler_vector mixed =
+        added(sculler_cross(one.small, right), sculler_cross(one.alpha, other.small));
+    sculler_vector total = added(one.terms, other.terms);
+    total = added(sculler_plus(total, mixed, 0.5), cross_per(less(left, right), w, 12.0));
+    return less(total, cross_per(right, sculler_cross(left, w), 24.0));
+}
+
+/* The third and fourth order of int w x int w x ... f, less what Eq. 51 and sculling have of it, with
+ * rate and force parabolas (sculler_model.host.velocity_terms). */
+static sculler_vector velocity_terms(const five *a, const five *u)
+{
+    sculler_vector a1 = a->of[0], a2 = a->of[1], a3 = a->of[2];
+    sculler_vector once = sculler_cross(a1, u->of[0]);
+    sculler_vector slope = sculler_cross(a1, u->of[1]);
+    sculler_vector turned = sculler_cross(a2, u->of[0]);
     sculler_vector inner = added(sculler_per(slope, 80.0), sculler_per(turned, 240.0));
-    sculler_vector first = added(sculler_per(slope, 24.0), cross_per(a->first, u->third, 360.0));
-    first = added(first, cross_per(a->second, u->second, 240.0));
-    first = less(first, cross_per(a->third, u->first, 180.0));
-    first = less(
-        added(first, sculler_cross(a->first, inner)), cross_per(a->second, once, 240.0));
+    sculler_vector first = added(sculler_per(slope, 24.0), cross_per(a1, u->of[2], 360.0));
+    first = added(first, cross_per(a2, u->of[1], 240.0));
+    first = less(first, cross_per(a3, u->of[0], 180.0));
+    first = less(added(first, sculler_cross(a1, inner)), cross_per(a2, once, 240.0));
     sculler_vector second = added(sculler_per(once, 24.0), sculler_per(slope, 120.0));
-    second = added(less(second, sculler_per(turned, 240.0)), cross_per(a->first, once, 80.0));
+    second = added(less(second, sculler_per(turned, 240.0)), cross_per(a1, once, 80.0));
     return added(
-        less(sculler_cross(a->first, first), sculler_cross(a->second, second)),
-        cross_per(a->third, once, 360.0));
+        less(sculler_cross(a1, first), sculler_cross(a2, second)), cross_per(a3, once, 360.0));
+}
+
+/* What the first four intervals lack, for the fifth: of phi, or with forces of dV_SF. */
+static sculler_vector of_the_first(const five *alpha, const five *rates, const five *forces)
+{
+    sculler_vector total = sculler_times(0.0, alpha->of[0]);
+    for (unsigned k = 0; k + 1u < INTERVALS; k++) {
+        five there = of_part(rates, (double)k - 4.0, 1.0);
+        sculler_vector turn = sculler_times(forces == NULL ? 0.5 : 1.0, alpha->of[k]), lacking;
+        for (unsigned between = k + 1u; between + 1u < INTERVALS; between++) {
+            turn = added(turn, alpha->of[between]);
+        }
+        if (forces == NULL) {
+            lacking = rotation_terms(&there);
+            turn = sculler_plus(turn, alpha->of[INTERVALS - 1], 0.5);
+        } else {
+            five forces_there = of_part(forces, (double)k - 4.0, 1.0);
+            lacking = velocity_terms(&there, &forces_there);
+        }
+        sculler_vector across = sculler_cross(turn, lacking);
+        lacking = sculler_plus(less(lacking, across), sculler_cross(turn, across), 0.5);
+        total = added(total, lacking);
+    }
+    return total;
+}
+
+/* Whether the rate is smooth up to the last interval, by the last ten: third differences of alpha
+ * against second ones, and no turn beyond a radian. */
+static bool is_smooth(sculler_third_order *memory, const five *alpha)
+{
+    const sculler_vector *a = alpha->of;
+    sculler_vector middle = less(a[3], a[2]);
+    sculler_vector second = less(less(a[4], a[3]), middle);
+    sculler_vector third = less(second, less(middle, less(a[2], a[1])));
+    double seconds = 0.0, thirds = 0.0;
+    for (unsigned i = 0; i + 1u < WINDOW; i++) {
+        memory->second[i] = memory->second[i + 1u];
+        memory->third[i] = memory->third[i + 1u];
+    }
+    memory->second[WINDOW - 1] = sculler_dot(second, second);
+    memory->third[WINDOW - 1] = sculler_dot(third, third);
+    for (unsigned i = 0; i < WINDOW; i++) {
+        seconds += memory->second[i];
+        thirds += memory->third[i];
+    }
+    return thirds <= 0.13 * seconds && sculler_dot(a[4], a[4]) <= 1.0;
+}
+
+void sculler_third_order_begin(sculler_third_order *memory)
+{
+    for (unsigned i = 0; i < WINDOW; i++) {
+        memory->second[i] = 0.0;
+        memory->third[i] = 0.0;
+    }
+    memory->left += memory->seen < INTERVALS ? memory->seen : 0u;
+    memory->seen = 0;
 }
 
 void sculler_third_order_correct(sculler_third_order *memory, sculler_increments *increments)
 {
-    sculler_vector alpha = increments->alpha, dv_sf = increments->dv_sf;
-    sculler_vector upsilon = less(dv_sf, sculler_times(0.5, sculler_cross(alpha, dv_sf)));
-    if (memory->seen >= 2u) {
-        parabola a = parabola_of(memory->oldest, memory->before, alpha);
-        increments->phi = added(increments->phi, third_order_terms(&a));
-        if (!increments->displaced) { /* else it has its higher orders already */
-            parabola u = parabola_of(memory->oldest_force, memory->force_before, upsilon);
-            increments->dv_sf = added(dv_sf, velocity_terms(&a, &u));
-        }
-    } else {
-        memory->seen += 1u;
+    five alpha, upsilon;
+    for (unsigned i = 0; i + 1u < INTERVALS; i++) {
+        alpha.of[i] = memory->turns[i];
+        upsilon.of[i] = memory->velocities[i];
     }
-    memory->oldest = memory->before;
-    memory->before = alpha;
-    memory->oldest_force = memory->force_before;
-    memory->force_before = upsilon;
+    alpha.of[INTERVALS - 1] = increments->alpha;
+    sculler_vector turned = sculler_cross(increments->alpha, increments->dv_sf);
+    upsilon.of[INTERVALS - 1] = less(increments->dv_sf, sculler_times(0.5, turned));
+    for (unsigned i = 0; i + 1u < INTERVALS; i++) {
+        memory->turns[i] = alpha.of[i + 1u];
+        memory->velocities[i] = upsilon.of[i + 1u];
+    }
+    memory->seen += memory->seen < INTERVALS + 1u ? 1u : 0u;
+    bool smooth = memory->seen > 3u && is_smooth(memory, &alpha);
+    if (memory->seen < INTERVALS) {
+        return;
+    }
+    bool starts = memory->seen == INTERVALS;
+    *(smooth ? &memory->corrected : &memory->left) += starts ? INTERVALS : 1u;
+    if (!smooth) {
+        return;
+    }
+    five rates = slopes(&alpha), forces = slopes(&upsilon);
+    increments->phi = added(increments->phi, rotation_terms(&rates));
+    if (starts) {
+        increments->phi = added(increments->phi, of_the_first(&alpha, &rates, NULL));
+    }
+    if (increments->displaced) { /* which has its higher orders already */
+        return;
+    }
+    increments->dv_sf = added(increments->dv_sf, velocity_terms(&rates, &forces));
+    if (starts) {
+        increments->dv_sf = added(increments->dv_sf, of_the_first(&alpha, &rates, &forces));
+    }
 }

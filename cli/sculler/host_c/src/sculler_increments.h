@@ -78,15 +78,21 @@ typedef struct {
 
 void sculler_in_axes(const sculler_axes *axes, sculler_increments *increments);
 
-/* The third-order terms of rotation vector and velocity, from three consecutive intervals.  All zero
- * is its beginning; begin anew after a break. */
+/* The third-order terms of rotation vector and velocity, from five consecutive intervals, where the
+ * rate is smooth.  All zero is its beginning; sculler_third_order_begin after a break or a result of
+ * short history.  Begin it with the first interval that is navigated with: what the first four lack
+ * is added to the fifth. */
 typedef struct {
-    sculler_vector oldest, before;             /* integrals of the rate, rad */
-    sculler_vector oldest_force, force_before; /* of the specific force, body axes, m/s */
+    sculler_vector turns[4];      /* integrals of the rate, rad, the oldest first */
+    sculler_vector velocities[4]; /* of the specific force, body axes, m/s */
+    double second[10], third[10]; /* squares of differences of the last intervals' turns */
     uint32_t seen;
+    uint32_t corrected, left; /* how many intervals were corrected, and left as they are */
 } sculler_third_order;
 
-/* Correct phi and, where there is no dR_SF, dV_SF; the first two intervals stay as they are. */
+void sculler_third_order_begin(sculler_third_order *memory);
+
+/* Correct phi and, where there is no dR_SF, dV_SF. */
 void sculler_third_order_correct(sculler_third_order *memory, sculler_increments *increments);
 
 #ifdef __cplusplus

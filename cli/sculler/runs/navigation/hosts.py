@@ -32,6 +32,9 @@ class Host(Protocol):
     def increments(self, block: VectorBlock) -> MajorIncrements:
         """φ, α, ΔV_SF and ΔR_SF of the next results, in body axes."""
 
+    def third_order_count(self) -> tuple[int, int]:
+        """Intervals since `begin` that the third order corrected, and those it left as they are."""
+
     def navigator(self, start: NavState, reference_height: float) -> Mechanisation:
         """What carries a state on; a damped height without a measured one is held to that (m)."""
 
@@ -68,6 +71,11 @@ class HostInPython:
         plan = self._plan
         found = major_increments(plan.design, block, rotation=plan.rotation).in_axes(plan.axes)
         return found if self._third_order is None else self._third_order(found)
+
+    def third_order_count(self) -> tuple[int, int]:
+        """See `Host`."""
+        found = self._third_order
+        return (0, 0) if found is None else (found.corrected, found.left + found.waiting)
 
     def navigator(self, start: NavState, reference_height: float) -> Mechanisation:
         """See `Host`."""
@@ -117,6 +125,11 @@ class CompiledHost:
     def increments(self, block: VectorBlock) -> MajorIncrements:
         """See `Host`."""
         return self._host.increments(block, self._plan.axes, self._third_order)
+
+    def third_order_count(self) -> tuple[int, int]:
+        """See `Host`."""
+        memory = self._third_order
+        return (0, 0) if memory is None else self._host.third_order_count(memory)
 
     def navigator(self, start: NavState, reference_height: float) -> Mechanisation:
         """See `Host`."""

@@ -78,6 +78,8 @@ class Outcome:
             data[key] = seen.statuses.get(key, (0, 0.0))[0]
         data["short_history_results_left_out"] = seen.left_out
         data["breaks"] = seen.breaks
+        if plan.third_order:
+            data["third_order"] = dict(zip(("corrected", "left"), seen.third_order, strict=True))
         data["engine"] = plan.engine
         data["gravity"] = str(plan.gravity)
         data["warnings"] = self.warnings
@@ -192,6 +194,9 @@ def told(data: Mapping[str, Any]) -> dict[str, str]:
             f" {data['start_s']:.15g} s, where the initial state holds"
         )
 
+    if "third_order" in data:
+        rows["third order"] = _third_order_told(**data["third_order"])
+
     def attitude(angles: dict[str, float]) -> str:
         return ", ".join(f"{name} {_four_places(angle)}°" for name, angle in angles.items())
 
@@ -235,6 +240,16 @@ def _biases_told(found: Mapping[str, Any]) -> str:
     if sigma is None:
         return "of which about north alone was looked for (--gyro-bias-sigma: all three)"
     return f"of {sigma:.2g} °/h (1 σ) to expect"
+
+
+def _third_order_told(corrected: int, left: int) -> str:
+    """Where it held, in words."""
+    if not left:
+        return f"all {corrected} intervals corrected"
+    return (
+        f"{corrected} of {corrected + left} intervals corrected; over the others the rate is not"
+        " smooth (vibration above a 17th of the update rate, noise), and they stay as they are"
+    )
 
 
 def _four_places(value: float) -> str:

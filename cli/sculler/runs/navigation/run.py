@@ -75,6 +75,7 @@ class NavigationRun:
         self._over = False
         self._bias: FineAlignment | None = None
         self._host = host_of(plan)
+        self._third_order = (0, 0)  # counts of the stretches before
         self._begin()
 
     def _begin(self) -> None:
@@ -84,6 +85,7 @@ class NavigationRun:
         self._window: list[MajorIncrements] = []  # to align with
         self._window_from = 0.0
         self._gathered = 0  # intervals in it
+        self._third_order = self.seen.third_order
         self._host.begin()
         self._left_out = 0
 
@@ -131,9 +133,22 @@ class NavigationRun:
             align = plan.align is not None and not anew
             align = align and (plan.realign or self.seen.start is None)
             begin = self._aligned if align else self._started
-            increments = begin(increments, begins)
+            increments = self._from_here(block, begin(increments, begins))
         if self._navigator is not None and len(increments):
             self._carry(self._navigator, increments)
+        if plan.third_order:
+            before, now = self._third_order, self._host.third_order_count()
+            self.seen.third_order = before[0] + now[0], before[1] + now[1]
+
+    def _from_here(self, block: VectorBlock, increments: MajorIncrements) -> MajorIncrements:
+        """The block's last intervals, which the run begins with: so does the third order."""
+        if self._navigator is None or not self._plan.third_order:
+            return increments
+        self._host.begin()
+        if not len(increments):
+            return increments
+        last = block[len(block) - len(increments) :]
+        return replace(self._host.increments(last), heights=increments.heights)
 
     def _started(self, increments: MajorIncrements, begins: Array) -> MajorIncrements:
         """Begin at one of the intervals' beginnings, if the run does; the intervals after it."""

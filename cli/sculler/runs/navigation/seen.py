@@ -35,6 +35,7 @@ class Seen:
             of them ends.
         left_out: results of short history at the beginning that the run begins after.
         breaks: as plain data.
+        third_order: intervals that the third order corrected, and those it left as they are.
         warnings: what to look at before trusting the run.
     """
 
@@ -45,6 +46,7 @@ class Seen:
     statuses: dict[str, tuple[int, float]] = field(default_factory=dict)
     left_out: int = 0
     breaks: list[dict[str, float | int | str]] = field(default_factory=list)
+    third_order: tuple[int, int] = (0, 0)
     warnings: list[str] = field(default_factory=list)
 
     def status_warnings(self) -> list[str]:

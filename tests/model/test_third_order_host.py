@@ -1,0 +1,169 @@
+"""The host's third order: it holds where the rate is smooth, and never makes a run worse.
+
+Truth is the attitude of a motion in closed form; the second order is its exact integral, by Gauss
+and Legendre's rule.
+"""
+
+from __future__ import annotations
+
+from math import pi, radians, sin, sqrt
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+from sculler_model.analysis.integer_path import rotation_vectors, running_attitude
+from sculler_model.frames import conjugate, product
+from sculler_model.host import MajorIncrements, ThirdOrder, slopes
+from sculler_model.host.third_order import SMOOTH, of_part, smooth_intervals
+from sculler_model.motion import Curve, Turn, attitude, coning_turns, euler_turns
+
+Array = NDArray[np.float64]
+
+T = 0.01
+NODES = 20
+NODE, WEIGHT = np.polynomial.legendre.leggauss(NODES)
+
+
+def second_order(turns: tuple[Turn, ...], intervals: int) -> MajorIncrements:
+    """Exact α and α + ½∫α×ω of consecutive intervals T, no force."""
+    at = (np.arange(intervals)[:, None] + 0.5 * (NODE + 1)) * T
+    _, rate = attitude(turns, at.ravel())
+    rates = np.stack(rate, axis=1).reshape(intervals, NODES, 3)
+    values = np.linalg.inv(np.polynomial.legendre.legvander(NODE, NODES - 1))
+    sums = np.zeros((NODES, NODES))  # from the interval's start to each node
+    for k, row in enumerate(values.T):
+        integral = np.polynomial.legendre.Legendre(row).integ(lbnd=-1)
+        sums[:, k] = integral(NODE)
+    alpha = 0.5 * T * np.einsum("j,rjk->rk", WEIGHT, rates)
+    running = 0.5 * T * np.einsum("ij,rjk->rik", sums, rates)
+    coning = 0.25 * T * np.einsum("j,rjk->rk", WEIGHT, np.cross(running, rates))
+    return MajorIncrements(alpha + coning, alpha, np.zeros_like(alpha))
+
+
+def off(turns: tuple[Turn, ...], phi: Array) -> Array:
+    """Arc seconds between the attitude after each interval and the true one."""
+    q = np.stack(attitude(turns, np.arange(len(phi) + 1) * T)[0], axis=1)
+    true = product(conjugate(tuple(q[0])), tuple(q[1:].T))
+    wrong = np.stack(product(conjugate(true), tuple(running_attitude(phi).T)), axis=1)
+    found: Array = np.degrees(np.linalg.norm(rotation_vectors(wrong), axis=1)) * 3600
+    return found
+
+
+def spinning(half_angle: float, cone: float, spin: float) -> tuple[Turn, ...]:
+    """Spin (rad/s) about an axis that goes round a cone (rad/s)."""
+    return euler_turns(Curve((0.0, spin)), Curve((pi / 2 - half_angle,)), Curve((0.0, cone)))
+
+
+@pytest.mark.parametrize("half_angle", [1, 45, 90])
+@pytest.mark.parametrize("hertz", [0.5, 2, 4, 5.5, 6, 10, 25, 40, 60])
+def test_never_worse_in_a_cone(half_angle: float, hertz: float) -> None:
+    """Whose second order is better than its order: its third order has no drift."""
+    turns = coning_turns(radians(half_angle), 2 * pi * hertz)
+    plain = second_order(turns, 800)
+    third = ThirdOrder()
+    found = third(plain).phi
+    before, after = off(turns, plain.phi), off(turns, found)
+    assert after.max() <= before.max()
+    if hertz > 6 - 1e-9:
+        assert np.array_equal(found, plain.phi)
+        assert (third.corrected, third.left) == (0, 800)
+    else:
+        assert after[-1] < max(0.95 * before[-1], 1e-9)
+        assert (third.corrected, third.left) == (800, 0)
+
+
+@pytest.mark.parametrize(("half_angle", "cone", "spin"), [(45, 5, 10), (80, 20, 1), (20, 30, 2)])
+def test_much_better_in_a_spin_cone(half_angle: float, cone: float, spin: float) -> None:
+    turns = spinning(radians(half_angle), cone, spin)
+    plain = second_order(turns, 800)
+    before, after = off(turns, plain.phi), off(turns, ThirdOrder()(plain).phi)
+    assert after[-1] < before[-1] / 60
+    assert before[4] > 10 * after[4]  # what the first four lacked is made up at once
+
+
+def test_the_fifth_interval_makes_up_for_the_first_four() -> None:
+    """And they stay as they are: no interval waits for a later one."""
+    plain = second_order(spinning(radians(45), 5, 10), 9)
+    found = ThirdOrder()(plain).phi
+    assert np.array_equal(found[:4], plain.phi[:4])
+    later = ThirdOrder()(second_order(spinning(radians(45), 5, 10), 14)[5:]).phi
+    lacking = np.linalg.norm(found - plain.phi, axis=1)
+    assert 4.5 < lacking[4] / lacking[5] < 5.5
+    assert np.linalg.norm(later[4:] - found[:5], axis=1)[0] > 0
+
+
+def test_a_vibration_of_a_seventeenth_of_the_update_rate_is_the_limit() -> None:
+    """Of a sinusoid differences grow by 2 sin(π f T) each, whatever its size and phase."""
+    limit = np.arcsin(sqrt(SMOOTH) / 2) / pi
+    assert 1 / limit == pytest.approx(17.3, abs=0.1)
+    k = np.arange(300)[:, None]
+    for size, phase in ((1e-7, 0.0), (0.3, 1.0)):
+        for much, expected in ((0.97, True), (1.03, False)):
+            angle = 2 * pi * much * limit * k + phase
+            alpha = size * np.hstack((np.cos(angle), np.sin(angle), 0 * angle + 1))
+            assert np.all(smooth_intervals(alpha)[4:] == expected)
+            assert not smooth_intervals(alpha)[:4].any()
+
+
+def test_noise_is_not_smooth_and_a_large_turn_is_left() -> None:
+    noise = np.random.default_rng(5).normal(0, 1e-6, (1000, 3))
+    assert smooth_intervals(noise + np.array([0.01, 0.02, 0.0])).mean() < 0.001
+    steady = np.broadcast_to([1.01, 0.0, 0.0], (50, 3))
+    assert not smooth_intervals(steady).any()
+    assert smooth_intervals(0.99 / 1.01 * steady)[4:].all()
+
+
+def test_a_step_is_left_for_ten_intervals() -> None:
+    alpha = np.zeros((40, 3))
+    alpha[20:, 0] = 0.1
+    smooth = smooth_intervals(alpha)
+    assert smooth[4:20].all()
+    assert not smooth[21:30].any()
+    assert smooth[33:].all()
+
+
+def test_slopes_are_those_of_a_polynomial() -> None:
+    """Exact for the fourth degree, and moved to other intervals and halves of them."""
+    rate = Polynomial([0.3, -1.0, 2.0, 0.7, -0.4])
+    total = rate.integ()
+    sums = np.array([[total(k + 0.5) - total(k - 0.5)] * 3 for k in range(-4, 1)])
+    found = slopes(sums)
+    assert [each[0, 0] for each in found] == pytest.approx(rate.coef.tolist(), rel=1e-12)
+    for middle, length in ((-2.0, 1.0), (0.25, 0.5)):
+        there = [each[0, 1] for each in of_part(found, middle, length)]
+        moved = rate(Polynomial([middle, length])).coef * length
+        assert there == pytest.approx(moved.tolist(), rel=1e-11)
+
+
+def test_blocks_of_any_length_and_beginning_anew() -> None:
+    plain = second_order(spinning(radians(45), 5, 10), 60)
+    turning = np.arange(60)[:, None] * 0.01
+    dv = np.hstack((0.1 + turning, 0.02 * np.sin(3 * turning), 0.1 * turning**2))
+    plain = MajorIncrements(plain.phi, plain.alpha, dv)
+    whole = ThirdOrder()(plain)
+    assert not np.array_equal(whole.dv_sf, plain.dv_sf)
+    for cuts in ([1, 2, 3, 4, 5, 20], [0, 4, 4, 22], [5, 17], [60]):
+        corrector, parts = ThirdOrder(), []
+        for first, last in zip([0, *cuts], [*cuts, 60], strict=True):
+            parts.append(corrector(plain[first:last]))
+        joined = MajorIncrements.concatenate(parts)
+        assert np.array_equal(joined.phi, whole.phi)
+        assert np.array_equal(joined.dv_sf, whole.dv_sf)
+        assert (corrector.corrected, corrector.left, corrector.waiting) == (60, 0, 0)
+    few = ThirdOrder()
+    assert np.array_equal(few(plain[:3]).phi, plain.phi[:3])
+    assert (few.corrected, few.left, few.waiting) == (0, 0, 3)
+
+
+def test_vibration_that_begins_and_ends() -> None:
+    """What it shakes is left, what comes after it is corrected again."""
+    k = np.arange(400)
+    shaken = 1e-3 * np.sin(2 * pi * 0.3 * k) * ((k > 150) & (k < 250))
+    smooth = np.column_stack((0.05 * np.sin(0.1 * k), 0.05 * np.cos(0.07 * k), 0.01 + 0 * k))
+    found = smooth_intervals(smooth + shaken[:, None])
+    assert found[4:150].all()
+    assert not found[152:250].any()
+    assert found[265:].all()
+    assert sin(pi * 0.3) ** 2 * 4 > SMOOTH
