@@ -101,11 +101,17 @@ def _modules(
     text = "".join(module.text() for module in plain.values())
     written = read_verilog(_yosys(_WRITE, text, name))
     found = []
-    for each in plain:
-        if each == f"\\{name}":
-            found.append(tidy(written[name], ports, initial=initial))
-        else:
-            found.append(tidy(written[each[1:]], note=parts[first[each]].note, initial=initial))
+    for each, module in plain.items():
+        own = each == f"\\{name}"
+        found.append(
+            tidy(
+                written[each[1:]],
+                ports if own else (),
+                () if own else parts[first[each]].note,
+                apart=[wire[1:] for wire, one in module.wires.items() if one.apart],
+                initial=initial,
+            )
+        )
     return found
 
 

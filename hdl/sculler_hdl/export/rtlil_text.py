@@ -27,6 +27,7 @@ class Wire:
         place: of the port, from 1.
         signed: whether it is declared so.
         init: the bits a register starts with, None where it is not said.
+        apart: whether the register is not to be made one with equal ones (`lib.delay.APART`).
     """
 
     width: int
@@ -34,6 +35,7 @@ class Wire:
     place: int = 0
     signed: bool = False
     init: str | None = None
+    apart: bool = False
 
 
 @dataclass
@@ -100,6 +102,7 @@ class Module:
         for name, wire in self.wires.items():
             if wire.init is not None:
                 lines.append(f"  attribute \\init {len(wire.init)}'{wire.init}")
+            lines += ["  attribute \\keep 1"] * wire.apart
             port = f" {wire.direction} {wire.place}" if wire.direction else ""
             lines.append(f"  wire width {wire.width}{port}{' signed' * wire.signed} {name}")
         for name, cell in self.cells.items():
@@ -118,7 +121,7 @@ def read_modules(text: str) -> dict[str, Module]:
         ValueError: a line is none of those that this reads.
     """
     modules: dict[str, Module] = {}
-    module, cell, init = Module(""), None, None
+    module, cell, init, apart = Module(""), None, None, False
     for line in text.splitlines():
         words = line.split(maxsplit=2)
         if not words or words[0] in ("autoidx", "end", "#"):
@@ -128,6 +131,7 @@ def read_modules(text: str) -> dict[str, Module]:
         elif words[0] == "attribute":
             found = _INIT.match(line)
             init = _bits(found["constant"]) if found else init
+            apart = apart or words[1] == "\\keep"
         elif words[0] == "wire" and (made := _WIRE.match(line)):
             module.wires[made["name"]] = Wire(
                 int(made["width"] or 1),
@@ -135,8 +139,9 @@ def read_modules(text: str) -> dict[str, Module]:
                 int(made["place"] or 0),
                 bool(made["signed"]),
                 init,
+                apart,
             )
-            init = None
+            init, apart = None, False
         elif words[0] == "cell":
             cell = module.cells[words[2]] = Cell(words[1])
         elif words[0] == "parameter" and cell is not None:

@@ -6,9 +6,19 @@ Linters of Verilog ask for that, and in a flat module Yosys would do it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
-from sculler_hdl.export.rtlil_text import Bit, Cell, Module, Wire, bits_in, of_bits, pieces
+from sculler_hdl.export.rtlil_text import (
+    Bit,
+    Cell,
+    Module,
+    Wire,
+    bits_in,
+    of_bits,
+    pieces,
+    slice_of,
+)
 
 _RESULTS = frozenset(("\\Y", "\\Q"))
 """Outputs of the cells that Yosys makes of operations and registers."""
@@ -63,6 +73,7 @@ def _without_unread_outputs(modules: Mapping[str, Module], order: list[str]) -> 
             if wire.direction == "output" and port not in used[name] and name != order[-1]:
                 wire.direction = ""
         read = _without_dead_cells(module, modules)
+        _narrow_copies(module, read)
         widths = module.widths
         for cell in module.cells.values():
             for port, wire in modules[cell.kind].ports.items() if cell.kind in modules else ():
@@ -85,6 +96,31 @@ def _without_dead_cells(module: Module, modules: Mapping[str, Module]) -> Masks:
             return read
         for key in dead:
             del module.cells[key]
+
+
+def _narrow_copies(module: Module, read: Masks) -> None:
+    """Leave of registers that are copies on purpose only what is read, a register for each run.
+
+    Others are made of what is read of them.
+    """
+    widths = module.widths
+    for key, cell in list(module.cells.items()):
+        name = cell.connections.get("\\Q", "")
+        if cell.kind != "$dff" or name not in widths or not module.wires[name].apart:
+            continue
+        if read[name] == (1 << widths[name]) - 1:
+            continue
+        del module.cells[key]
+        data = bits_in(cell.connections["\\D"], widths)
+        for first, last in _runs(read[name]):
+            width = last - first + 1
+            own = {
+                "\\D": of_bits(data[first : last + 1], widths),
+                "\\Q": slice_of(name, first, width, widths[name]),
+            }
+            parameters = cell.parameters | {"\\WIDTH": str(width)}
+            made = Cell(cell.kind, parameters, cell.connections | own)
+            module.cells[f"{key}[{last}:{first}]"] = made
 
 
 def _read_bits(module: Module, modules: Mapping[str, Module], widths: Mapping[str, int]) -> Masks:
@@ -178,7 +214,7 @@ def _cut(module: Module, *, inputs: bool) -> dict[str, list[Cut]]:
         for cut in cuts.get(name, [Cut(name, 0, wire.width - 1)]):
             width = cut.last - cut.first + 1
             init = wire.init and wire.init[wire.width - 1 - cut.last : wire.width - cut.first]
-            wires[cut.name] = Wire(width, wire.direction, wire.place, wire.signed, init)
+            wires[cut.name] = replace(wire, width=width, init=init)
     found = {name: cut for name, cut in cuts.items() if module.wires[name].direction}
     module.replace_bits(changes, wires)
     return found

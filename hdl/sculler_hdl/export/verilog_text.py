@@ -8,7 +8,7 @@ make sure of it.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 _MODULE = re.compile(
     r"^module (?P<name>\w+)\((?P<ports>.*?)\);\n(?P<body>.*?)^endmodule$", re.M | re.S
@@ -22,9 +22,13 @@ _DECLARED = re.compile(
 _SYNCHRONISER = dict.fromkeys(("unsettled", "data_out"), '(* ASYNC_REG = "TRUE" *) ')
 """Registers of `lib.crossing.Synchroniser`, which tools are to leave as they are, side by side."""
 
+_APART = '(* keep = "true", dont_touch = "true", dont_merge, syn_preserve = 1 *)\n  '
+"""Of registers that are copies on purpose, for Vivado, Quartus and Synplify; see `_keeping`."""
+
 WIDEST = 100
 """Characters of a line."""
 
+_REGISTER = re.compile(r"  always @\(posedge clk\)\n(?:    if .*\n)? +(?P<name>\w+) <= ")
 _OF_A_DOMAIN = re.compile(r"\w+_(clk|rst)")
 
 _WIDE_CONSTANT = re.compile(r"\b(?P<bits>\d+)'h(?P<digits>[0-9a-f]{81,})\b")
@@ -68,7 +72,12 @@ def read_verilog(text: str) -> dict[str, str]:
 
 
 def tidy(
-    module: str, ports: Sequence[str] = (), note: Sequence[str] = (), *, initial: bool = True
+    module: str,
+    ports: Sequence[str] = (),
+    note: Sequence[str] = (),
+    *,
+    apart: Collection[str] = (),
+    initial: bool = True,
 ) -> str:
     """A module with its ports in its head.
 
@@ -76,6 +85,7 @@ def tidy(
         module: as `read_verilog` gives it.
         ports: order of the ports; those not told follow as they stand, clock and reset first.
         note: lines of a comment above it.
+        apart: registers that synthesis is not to make one with equal ones.
         initial: whether registers and memories get their initial values.
     """
     found = _MODULE.fullmatch(module)
@@ -97,7 +107,7 @@ def tidy(
             rest.append(line)
             continue
         kind, width, name = declared["kind"], declared["range"] or "", declared["name"]
-        mark = _SYNCHRONISER.get(name, "") if crossing else ""
+        mark = _SYNCHRONISER.get(name, "") if crossing else _APART * (name in apart)
         if kind in ("input", "output"):
             heads[name] = f"{mark}{kind} {width}{name}"
         elif name in heads:
@@ -110,9 +120,19 @@ def tidy(
         if declared["init"] and initial:
             starts.append(f"  initial {name} = {declared['init']};")
     body = re.sub(r"^  function (?=\[)", "  function automatic ", "\n".join(rest), flags=re.M)
+    body = _keeping(body, apart)
     if not initial:
         body = re.sub(r"^  initial begin\n.*?^  end\n", "", body, flags=re.M | re.S)
     listed = ",\n".join(f"  {heads[port]}" for port in order)
     lines = [*(f"// {line}".rstrip() for line in note), f"module {found['name']} (", listed, ");"]
     text = "\n".join([*lines, *registers, *wires, *starts, body, "endmodule", ""])
     return re.sub(r"\b(\d+)'h0{20,}\b", r"{\1{1'h0}}", text)
+
+
+def _keeping(body: str, apart: Collection[str]) -> str:
+    """Marks the statements that make the registers `apart`, for there Yosys looks for it."""
+
+    def marked(found: re.Match[str]) -> str:
+        return f"  (* keep *) {found[0].lstrip()}" if found["name"] in apart else found[0]
+
+    return _REGISTER.sub(marked, body) if apart else body

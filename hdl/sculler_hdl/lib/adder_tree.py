@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
+from itertools import zip_longest
 
 from amaranth import C, Cat, Module, Value
 from amaranth.lib import wiring
@@ -16,6 +17,9 @@ from sculler_hdl.plan.dot_product import DotProductPlan
 
 Shared = dict[Hashable, SkewedSignal]
 """The sums that trees of one module have built, by `Node.key`."""
+
+Term = tuple[Value, Value | None]
+"""Bits of an addend; and the same a clock later, where registers have them."""
 
 
 class AdderTree(wiring.Component):
@@ -51,7 +55,12 @@ class AdderTree(wiring.Component):
 
 
 def emit_adder_tree(
-    m: Module, name: str, plan: AdderTreePlan, terms: Sequence[Value], shared: Shared | None = None
+    m: Module,
+    name: str,
+    plan: AdderTreePlan,
+    terms: Sequence[Value],
+    shared: Shared | None = None,
+    later: Sequence[Value | None] = (),
 ) -> SkewedSignal:
     """Put the adders of a sum into a module.
 
@@ -62,8 +71,10 @@ def emit_adder_tree(
         terms: the bits of the addends.
         shared: sums that other trees of the module have built, to be used again, shifted, if they
             are wide enough; those built now are added.  All addends need a `source`.
+        later: the bits of the addends a clock later, where registers of the module have them.
     """
-    root = _emit_node(m, name, plan, plan.root, terms, {} if shared is None else shared)
+    both = list(zip_longest(terms, later))
+    root = _emit_node(m, name, plan, plan.root, both, {} if shared is None else shared)
     parts = [
         root.slice_at(lo, hi, clock) for lo, hi, clock in spans(plan.arrival) if lo >= root.low
     ]
@@ -72,12 +83,13 @@ def emit_adder_tree(
 
 
 def _emit_node(
-    m: Module, name: str, plan: AdderTreePlan, node: Node, terms: Sequence[Value], shared: Shared
+    m: Module, name: str, plan: AdderTreePlan, node: Node, terms: Sequence[Term], shared: Shared
 ) -> SkewedSignal:
     addend = node.addend
     if node.parts is None:
-        term = C(0, 1) if node.order < 0 else terms[node.order]
-        return SkewedSignal(m, f"{name}_term{node.order}", term, addend.arrival, addend.low)
+        term, later = (C(0, 1), None) if node.order < 0 else terms[node.order]
+        term_name = f"{name}_term{node.order}"
+        return SkewedSignal(m, term_name, term, addend.arrival, addend.low, later)
     sum_name = f"{name}_sum{node.order}"
     if node.key not in shared or len(shared[node.key].value) < node.bits:
         left, right = (_emit_node(m, name, plan, part, terms, shared) for part in node.parts)

@@ -13,6 +13,13 @@ from amaranth.hdl._ast import Concat, Slice
 
 from sculler_hdl.plan.arrival import Arrival, spans, width
 
+APART = {"keep": 1}
+"""`attrs` of a signal in registers that synthesis is not to make one with equal ones.
+
+Equal registers are copies on purpose, each to stand near those that read it.  A mark holds among
+marked registers: one without it is made one with any equal one.
+"""
+
 
 def refuse_conditional(m: Module, name: str) -> None:
     """Refuse to emit registers under a condition.
@@ -37,12 +44,21 @@ class SkewedSignal:
         value: the bits.
         arrival: when they are there.
         low: weight of the lowest bit, as a power of two.
+        later: the bits a clock later, if registers of the module have them already.
 
     Raises:
         ValueError: the arrival is of another number of bits.
     """
 
-    def __init__(self, m: Module, name: str, value: Value, arrival: Arrival, low: int = 0) -> None:
+    def __init__(
+        self,
+        m: Module,
+        name: str,
+        value: Value,
+        arrival: Arrival,
+        low: int = 0,
+        later: Value | None = None,
+    ) -> None:
         if len(value) != width(arrival):
             raise ValueError(f"{name}: {len(value)} bits do not arrive as {arrival}")
         self.m = m
@@ -50,6 +66,7 @@ class SkewedSignal:
         self.value = value
         self.arrival = arrival
         self.low = low
+        self.later = later
         self._made: dict[tuple[int, int, int], Value] = {}
 
     def slice_at(self, lo: int, hi: int, clock: int) -> Value:
@@ -85,6 +102,8 @@ class SkewedSignal:
         if key not in self._made:
             if clocks == 0:
                 self._made[key] = self.value[lo - self.low : hi - self.low]
+            elif clocks == 1 and self.later is not None:
+                self._made[key] = self.later[lo - self.low : hi - self.low]
             else:
                 refuse_conditional(self.m, self.name)
                 before = self._delayed(lo, hi, clocks - 1)

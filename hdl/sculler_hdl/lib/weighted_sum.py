@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.adder import add
 from sculler_hdl.lib.adder_tree import Shared, emit_adder_tree
-from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
+from sculler_hdl.lib.delay import APART, ControlDelay, SkewedSignal
 from sculler_hdl.lib.layout import is_one_of, vector
 from sculler_hdl.plan.arrival import later
 from sculler_hdl.plan.weighted_sum import Gate, WeightedSumPlan
@@ -58,6 +58,9 @@ class WeightedSum(wiring.Component):
         gates = {gate: is_one_of(self.phase, list(gate)) for gate in plan.gates}
         for i, axis in enumerate(AXES):
             sample = self.samples[i]
+            # marked, for where a core has the delayed sample too, that one stands elsewhere
+            delayed = Signal.like(sample, name=f"later_{axis}", reset_less=True, attrs=APART)
+            m.d.sync += delayed.eq(sample)
             gated: dict[Gate | None, Value] = {None: sample}
             for number, (gate, is_open) in enumerate(gates.items()):
                 register = Signal.like(sample, name=f"gated{number}_{axis}", reset_less=True)
@@ -66,9 +69,15 @@ class WeightedSum(wiring.Component):
             products: dict[int, SkewedSignal] = {}
             shared: Shared = {}
             for d in sorted(plan.products):  # the widest first, for the others to share its sums
-                terms = [gated[plan.gate(term)] for term in plan.terms[d]]
-                name = f"product{d}_{axis}"
-                products[d] = emit_adder_tree(m, name, plan.products[d], terms, shared)
+                gates_of = [plan.gate(term) for term in plan.terms[d]]
+                products[d] = emit_adder_tree(
+                    m,
+                    f"product{d}_{axis}",
+                    plan.products[d],
+                    [gated[gate] for gate in gates_of],
+                    shared,
+                    [delayed if gate is None else None for gate in gates_of],
+                )
             total = self._chain(m, axis, products, step)
             if total is not None:
                 m.d.comb += self.output[i].eq(total.value)

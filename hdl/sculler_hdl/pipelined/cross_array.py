@@ -8,7 +8,7 @@ from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.accumulator import Accumulator
 from sculler_hdl.lib.adder_tree import emit_adder_tree
-from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
+from sculler_hdl.lib.delay import APART, ControlDelay, SkewedSignal
 from sculler_hdl.lib.multiplier import emit_multiplier
 from sculler_hdl.plan.arrival import lowest, spans
 from sculler_hdl.plan.cross_array import CrossArrayPlan
@@ -235,7 +235,7 @@ class _Operands:
     def _places(self, name: str, launch: ControlDelay, copy: int) -> list[SkewedSignal]:
         """The three components of an operand, in registers that move round if axes take turns.
 
-        A second copy has other initial values, or synthesis would make it one with the first.
+        Copies are marked, or synthesis would make them one.
         """
         plan, m = self.plan, self.m
         words = [
@@ -251,9 +251,13 @@ class _Operands:
         held: list[list[Value]] = [[], [], []]
         for lo, hi, clock in spans(arrival):
             load = launch.at_clock(clock - 1)
-            init = copy * ((1 << (hi - lo)) - 1)
             registers = [
-                Signal(hi - lo, name=f"held{copy}_{name}_{axis}_{lo}", init=init, reset_less=True)
+                Signal(
+                    hi - lo,
+                    name=f"held{copy}_{name}_{axis}_{lo}",
+                    reset_less=True,
+                    attrs=APART if plan.copied else {},
+                )
                 for axis in AXES
             ]
             for i, register in enumerate(registers):

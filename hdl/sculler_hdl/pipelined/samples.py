@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from amaranth import Module, Signal, Value
 
-from sculler_hdl.lib.delay import SkewedSignal
+from sculler_hdl.lib.delay import APART, SkewedSignal
 from sculler_hdl.plan.arrival import at_once
 from sculler_hdl.plan.schedule import MINOR_CLOCK, TAP_CLOCK
 from sculler_model.design import AXES
@@ -37,10 +37,8 @@ class SampleRegisters:
                 self.first[sensor].append(
                     SkewedSignal(m, f"{name}_sample", register, at_once(bits, TAP_CLOCK))
                 )
-                # synthesis makes one of registers that are equal, and one could not stand near all
-                # that reads it: the initial value keeps this one apart
-                ones = (1 << bits) - 1
-                apart = Signal(bits, name=name, reset_less=True, init=ones)
+                # `WeightedSum` has an equal one: one could not stand near all that reads it
+                apart = Signal(bits, name=name, reset_less=True, attrs=APART)
                 m.d.sync += apart.eq(register)
                 self.second[sensor].append(SkewedSignal(m, name, apart, at_once(bits, MINOR_CLOCK)))
 
