@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from sculler_model.analysis.advice import Candidate as Candidate
     from sculler_model.analysis.advice import Environment as Environment
     from sculler_model.analysis.advice import Requirement as Requirement
+    from sculler_model.analysis.iteration import iterated as iterated
     from sculler_model.design import Design as Design
     from sculler_model.errors import Error as Error
     from sculler_model.errors import InputError as InputError
@@ -93,6 +94,7 @@ _PLACES = {
     "coning_drift": "sculler.library.studies",
     "generate": "sculler.library.hardware",
     "increments": "sculler.library.navigating",
+    "iterated": "sculler_model.analysis.iteration",
     "motion": "sculler.library.motions",
     "motion_through": "sculler.library.motions",
     "navigate": "sculler.library.navigating",
@@ -135,6 +137,7 @@ __all__ = [
     "coning_drift",
     "generate",
     "increments",
+    "iterated",
     "motion",
     "motion_through",
     "navigate",

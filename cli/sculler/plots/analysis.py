@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 ORANGE, SKY = "#E69F00", "#56B4E9"
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
+ITERATION = "what the samples allow (iteration)"
 STYLES = ("-", (0, (6, 3)), (0, (2, 2)), (0, (8, 2, 2, 2)))
 
 
@@ -56,6 +57,8 @@ def frequency_picture(path: Path, title: str, unit: str, data: Mapping[str, Any]
         axes.plot([], [], color=GREY, label="closed form")
         axes.plot([], [], "o", color=GREY, ms=5.5, ls="", label="the core's integers")
         axes.plot([], [], "D", color=GREY, ms=5, mfc="none", mew=1.2, ls="", label="the host")
+        if "degree" in data:
+            axes.plot([], [], color=GREY, lw=1.2, ls=":", marker="x", ms=4, label=ITERATION)
         axes.set(
             title=title,
             xlabel="frequency (Hz)",
@@ -94,6 +97,9 @@ def _design_curve(
     ):
         values = np.abs([point[key] for point in found["integer_path"]])
         axes.plot(at, values, mark, color=colour, ms=size, mfc=fill, mew=1.2, zorder=3, ls="")
+    allowed = [abs(point["iteration"]) for point in found["integer_path"] if "iteration" in point]
+    if allowed:
+        axes.plot(at, allowed, color=colour, lw=1.2, ls=":", marker="x", ms=4)
 
 
 def _nyquist_lines(axes: Axes, designs: Mapping[str, Any], highest: float, bottom: float) -> None:
@@ -130,6 +136,7 @@ def manoeuvre_picture(path: Path, data: Mapping[str, Any]) -> None:
         axes.plot([], [], color=GREY, label="source 2: the coefficients")
         axes.plot([], [], "o", color=GREY, ms=5, ls="", label="both, through the core")
         axes.plot([], [], color=GREY, ls=(0, (4, 2)), label="both, host at third order")
+        axes.plot([], [], color=GREY, lw=1.2, ls=":", label=ITERATION)
         axes.set(
             title=f"Attitude error after it ({data['unit']})",
             xlabel="attitude updates (Hz)",
@@ -175,6 +182,7 @@ def _manoeuvre_errors(axes: Axes, data: Mapping[str, Any]) -> list[float]:
         shared |= {row["update_hz"]: row["source_1"] for row in rows}
         axes.plot(hertz, [r["source_2"] for r in rows], color=colour, lw=width, label=name)
         axes.plot(hertz, [r["third_order"] for r in rows], color=colour, ls=(0, (4, 2)))
+        axes.plot(hertz, [r["iteration"] for r in rows], color=colour, lw=1.2, ls=":")
         axes.plot(
             hertz, [r["integer_path"] for r in rows], "o", color=colour, ms=5, zorder=3, ls=""
         )

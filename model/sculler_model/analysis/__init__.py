@@ -2,6 +2,6 @@
 
 `closed_form` and `drift` are analytic; `frequency`, `manoeuvre`, `quantisation`, `vibration` and
 `triple` study one kind of motion each through the exact integers (`integer_path`); `third_order`
-has the terms that two-rate algorithms leave out; `advice` finds the designs that meet a
-requirement.  It may import every other room.
+has the terms that two-rate algorithms leave out; `iteration` what the samples themselves allow;
+`advice` finds the designs that meet a requirement.  It may import every other room.
 """

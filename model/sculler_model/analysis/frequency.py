@@ -28,6 +28,7 @@ from sculler_model.analysis.integer_path import (
     through_core,
     with_fine_sensor,
 )
+from sculler_model.analysis.iteration import DEGREE, attitude_on
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
@@ -288,6 +289,35 @@ def integer_point(design: Design, vibration: Oscillation, hertz: float) -> Point
         vibration.second_order(design, block) / seconds - truth,
         vibration.complete(design, block, omega, start) / seconds,
     )
+
+
+def iteration_drift(
+    design: Design, cone: Cone, hertz: float, degree: int = DEGREE
+) -> tuple[float, float]:
+    """What the samples allow (`iteration`) at (nearly) a frequency, over the same record.
+
+    Args:
+        design: gives the samples and the record.
+        cone: the motion.
+        hertz: frequency of the cone.
+        degree: of the polynomial through the samples.
+
+    Returns:
+        The frequency of whole periods, Hz, and the drift about the cone's axis, rad/s, computed
+        minus true.
+
+    Raises:
+        InputError: the frequency is out of range.
+    """
+    periods, samples = record(design, hertz)
+    rate = design.sensor.sample_rate_hz
+    omega, edge = 2 * pi * periods * rate / samples, degree + 1
+    taken = cone.samples(design, omega, samples + 2 * edge)
+    last = attitude_on(design, taken, degree=degree, edge=edge)[-1:]
+    w, i, j, k = Coning(cone.half_angle, omega).attitude(np.array([edge / rate])).T
+    x, y, z = rotation_vectors(last).T
+    turned = rotate((w, i, j, k), (x, y, z))[2].item()  # about the cone's axis
+    return omega / (2 * pi), turned / (samples / rate)
 
 
 def fine(design: Design, vibration: Oscillation, highest_hertz: float) -> Design:

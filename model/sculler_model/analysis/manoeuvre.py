@@ -25,6 +25,7 @@ from sculler_model.analysis.integer_path import (
     unquantised,
     with_fine_sensor,
 )
+from sculler_model.analysis.iteration import DEGREE, attitude_on
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import conjugate, product
@@ -180,6 +181,7 @@ class Split:
         complete: both, the algorithm on exact samples.
         third_order: the same with the host's third-order correction.
         integer_path: both, through counts and core.
+        iteration: iterated to convergence on the same exact samples (`iteration`).
         largest: of `complete`, the largest on the way.
     """
 
@@ -190,6 +192,7 @@ class Split:
     complete: float
     third_order: float
     integer_path: float
+    iteration: float
     largest: float
 
 
@@ -218,8 +221,17 @@ def update_minors(design: Design, low: float, high: float, most: int = 10) -> li
     return sorted(set(spread), reverse=True)
 
 
-def split(design: Design, manoeuvre: Manoeuvre, minors: int, own_sensor: bool) -> Split:
+def split(
+    design: Design, manoeuvre: Manoeuvre, minors: int, own_sensor: bool, degree: int = DEGREE
+) -> Split:
     """Errors of a design with M minor intervals a major one.
+
+    Args:
+        design: the design.
+        manoeuvre: the rates.
+        minors: M.
+        own_sensor: count with the design's own LSB.
+        degree: of the polynomial that `iteration` puts through the samples.
 
     Raises:
         InputError: the rates do not fit the design's own sensor.
@@ -247,6 +259,7 @@ def split(design: Design, manoeuvre: Manoeuvre, minors: int, own_sensor: bool) -
         float(complete[-1]),
         float(errors(running_attitude(corrected), truth)[-1]),
         float(errors(running_attitude(counted.phi), truth)[-1]),
+        float(errors(attitude_on(design, samples, degree=degree), truth)[-1]),
         float(complete.max()),
     )
 

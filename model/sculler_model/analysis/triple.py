@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.analysis.integer_path import changed, running_attitude, with_fine_sensor
+from sculler_model.analysis.iteration import DEGREE, attitude_on
 from sculler_model.analysis.third_order import composed, minor_vectors
 from sculler_model.design import Design
 from sculler_model.fast import run_fast
@@ -35,24 +36,32 @@ class ConingTurn:
         hertz: of the cone.
         turn: rate about the vertical, rad/s.
         bank: of the body, rad.
+        spin: rate about the body's own axis, which goes round the cone, rad/s.
     """
 
     half_angle: float
     hertz: float
     turn: float = 0.0
     bank: float = 0.0
+    spin: float = 0.0
 
     def turns(self) -> tuple[Turn, ...]:
         """The motion as `motion.attitude` takes it."""
         coning = coning_turns(self.half_angle, 2 * pi * self.hertz)
-        return (Turn(Z, Curve((0.0, self.turn))), Turn(X, Curve((self.bank,))), *coning)
+        about, spin = Turn(Z, Curve((0.0, self.turn))), Turn(Z, Curve((0.0, self.spin)))
+        return (about, Turn(X, Curve((self.bank,))), *coning, *([spin] if self.spin else []))
 
-    def increments(self, interval: float, count: int) -> Array:
-        """(count, 6) angle increments, rad; the accelerometers see nothing."""
-        nodes, weights = legendre_nodes(4 * pi * self.hertz * interval)
+    def increments(self, interval: float, count: int, first: int = 0) -> Array:
+        """(count, 6) angle increments from sample `first` on, rad; the accelerometers see nothing.
+
+        The rates in the body are of up to twice the cone's frequency, and the spin's.
+        """
+        fastest = 4 * pi * self.hertz + abs(self.spin) + abs(self.turn)
+        nodes, weights = legendre_nodes(fastest * interval)
         samples = np.zeros((count, 6))
         for node, weight in zip(nodes, weights, strict=True):
-            _, rate = attitude(self.turns(), (np.arange(count) + node) * interval)
+            times = (np.arange(first, first + count) + node) * interval
+            _, rate = attitude(self.turns(), times)
             samples[:, :3] += weight * interval * np.stack(rate, axis=1)
         return samples
 
@@ -72,16 +81,22 @@ class Left:
         second_order: as the core hands it over.
         host: with the host's third-order correction.
         integers: with exact third-order accumulators.
+        iteration: iterated to convergence on the same exact samples (`iteration`).
     """
 
     minors: int
     second_order: float
     host: float
     integers: float
+    iteration: float
 
 
 def left(
-    design: Design, motion: ConingTurn, minors: Sequence[int], seconds: float
+    design: Design,
+    motion: ConingTurn,
+    minors: Sequence[int],
+    seconds: float,
+    degree: int = DEGREE,
 ) -> Iterator[Left]:
     """Drift over a run on a sensor too fine to matter, for several M.
 
@@ -92,10 +107,20 @@ def left(
         motion: the motion.
         minors: values of M, in place of the design's.
         seconds: length of the run, cut to whole major intervals.
+        degree: of the polynomial that `iteration` puts through the samples.
     """
     interval, n = design.sample_interval, design.algorithm.samples
     majors = {M: int(seconds / (M * n * interval)) for M in minors}
-    samples = motion.increments(interval, max(M * n * majors[M] for M in minors))
+    edge = degree + 1
+    longest = max(M * n * majors[M] for M in minors)
+    samples = motion.increments(interval, longest + 2 * edge, -edge)
+    allowed = attitude_on(
+        changed(design, algorithm={"minors": 1}),
+        samples[: longest + 2 * edge],
+        degree=degree,
+        edge=edge,
+    )
+    samples = samples[edge:-edge]
     design = with_fine_sensor(design, float(np.abs(samples).max()))
     counts = Quantiser(design)(samples)
     theta, within = minor_vectors(design, counts)
@@ -105,12 +130,13 @@ def left(
         block = run_fast(of_this, counts[: n * whole])
         second = major_increments(of_this, block).phi
         third = composed(theta[:whole], within[:whole], M).rotation(of_this)
-        found = (second, major_increments(of_this, block, third_order=True).phi, second + third)
+        corrected = major_increments(of_this, block, third_order=True).phi
         end = n * whole * interval
         true = product(start, motion.attitude(end))
         drifts = []
-        for phi in found:
-            w, x, y, z = running_attitude(phi)[-1].tolist()
+        ends = [running_attitude(phi)[-1] for phi in (second, corrected, second + third)]
+        for found in (*ends, allowed[whole - 1]):
+            w, x, y, z = found.tolist()
             error = to_rotation_vector(product((w, x, y, z), conjugate(true)))
             drifts.append(float(np.linalg.norm(error)) / end)
         yield Left(M, *drifts)

@@ -23,6 +23,7 @@ from sculler.commands.options import analysis as options
 @options.subject_options
 @options.half_angle_option
 @options.frequency_options("°/h", options.REQUIREMENTS)
+@options.degree_option
 @options.picture_option
 @terminal.json_option
 def command(half_angle: float, output: Path | None, as_json: bool, **asked: Any) -> None:
@@ -30,8 +31,9 @@ def command(half_angle: float, output: Path | None, as_json: bool, **asked: Any)
 
     The drift is computed minus true, in °/h about the cone's axis: by closed form, by the core's
     integers (second order, exactly comparable), and by the attitude that the host arrives at,
-    where the triple products that these algorithms leave out show too.  A design runs on its own
-    sensor, a family on one so fine that it does not show.
+    where the triple products that these algorithms leave out show too.  Beside them stands what the
+    samples allow: the attitude iterated to convergence on a polynomial through them.  A design runs
+    on its own sensor, a family on one so fine that it does not show.
     """
     from sculler.runs.analysis import coning
 

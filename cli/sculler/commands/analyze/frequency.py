@@ -71,7 +71,15 @@ def _points(kind: Kind, data: dict[str, Any]) -> Table:
 
     points = Table(title=f"[bold]drift, computed minus true ({kind.unit})[/]", title_justify="left")
     points.add_column("design")
-    for column in ("frequency (Hz)", "uncorrected", "closed form", "integers", kind.complete):
+    last = ("iteration",) if "degree" in data else ()
+    for column in (
+        "frequency (Hz)",
+        "uncorrected",
+        "closed form",
+        "integers",
+        kind.complete,
+        *last,
+    ):
         points.add_column(column, justify="right")
     per_hertz = data["uncorrected"][-1], data["frequency_hz"][-1]
     for name, found in data["designs"].items():
@@ -83,11 +91,12 @@ def _points(kind: Kind, data: dict[str, Any]) -> Table:
                 f"{point['closed_form']:.4g}",
                 f"{point['second_order']:.4g}",
                 f"{point['complete']:.4g}",
+                *(f"{point[key]:.4g}" for key in last),
                 end_section=i == len(found["integer_path"]) - 1,
             )
         if found["does_not_fit_sensor_hz"]:
             first = min(found["does_not_fit_sensor_hz"])
-            points.add_row("", f"from {first:.5g}", "", "does not fit the sensor's word", "", "")
+            points.add_row("", f"from {first:.5g}", "", "does not fit the sensor's word")
     return points
 
 

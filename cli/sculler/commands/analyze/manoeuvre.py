@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 NAMES = ("extreme", "turn-entry", "pitch-over")
 """`sculler_model.analysis.MANOEUVRES`, named here so that --help imports no numpy."""
 
+COLUMNS = ("source_1", "source_2", "complete", "third_order", "integer_path", "iteration")
+
 
 @click.command(
     short_help="Attitude error over a manoeuvre against update rate.",
@@ -53,6 +55,7 @@ NAMES = ("extreme", "turn-entry", "pitch-over")
     help="Fastest update rate.",
 )
 @options.fine_option
+@options.degree_option
 @options.picture_option
 @terminal.json_option
 def command(
@@ -60,6 +63,7 @@ def command(
     low: float,
     high: float,
     fine: bool,
+    degree: int,
     output: Path | None,
     as_json: bool,
     **asked: Any,
@@ -69,12 +73,13 @@ def command(
     Every number of minor intervals M that gives an update rate in the band is tried at the design's
     sample rate.  Source 1 is the triple products of the rotation vector that no algorithm of this
     kind forms; source 2 is what the coefficients leave beyond it (Savage-20).  Then both together,
-    without and with the host's third-order correction, and both through the core's integers.
+    without and with the host's third-order correction, and both through the core's integers.  Last
+    what the samples allow: the attitude iterated to convergence on a polynomial through them.
     """
     from sculler.runs.analysis import ManoeuvrePlan, manoeuvre_study
 
     options.require_picture(output)
-    plan = ManoeuvrePlan(options.subjects(asked), name, low, high, fine)
+    plan = ManoeuvrePlan(options.subjects(asked), name, low, high, fine, degree)
     with terminal.progress("manoeuvres", plan.steps) as advance:
         data = manoeuvre_study(plan, advance=advance)
     if output is not None:
@@ -103,6 +108,7 @@ def _table(data: dict[str, Any]) -> Table:
         "both",
         "third order",
         "integer path",
+        "iteration",
     ):
         table.add_column(column, justify="right")
     for name, found in data["designs"].items():
@@ -111,10 +117,7 @@ def _table(data: dict[str, Any]) -> Table:
                 name if i == 0 else "",
                 str(row["minors"]),
                 f"{row['update_hz']:.4g}",
-                *(
-                    f"{row[key]:.3g}"
-                    for key in ("source_1", "source_2", "complete", "third_order", "integer_path")
-                ),
+                *(f"{row[key]:.3g}" for key in COLUMNS),
                 end_section=i == len(found["updates"]) - 1,
             )
     return table

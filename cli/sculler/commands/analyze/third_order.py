@@ -18,10 +18,18 @@ if TYPE_CHECKING:
     epilog=terminal.examples(
         "sculler analyze third-order stim300 --half-angle 0.1 --frequency 50 --turn 6 --bank 5",
         "sculler analyze third-order stim300 --half-angle 1 --frequency 20 --minors 1 --minors 5",
+        "sculler analyze third-order stim300 --half-angle 45 --frequency 3 --spin 573",
     ),
 )
 @terminal.design_argument
-@options.half_angle_option
+@click.option(
+    "--half-angle",
+    type=terminal.number_type(0, 90, above=True),
+    default=0.1,
+    show_default=True,
+    metavar="DEG",
+    help="Half angle of the cone.",
+)
 @click.option(
     "--frequency",
     type=terminal.number_type(0, 1e6, above=True),
@@ -47,6 +55,14 @@ if TYPE_CHECKING:
     help="Bank in the turn.",
 )
 @click.option(
+    "--spin",
+    type=terminal.number_type(-1e5, 1e5),
+    default=0.0,
+    show_default=True,
+    metavar="DEG/S",
+    help="Rate about the axis that goes round the cone, besides (spin-cone).",
+)
+@click.option(
     "--minors",
     type=click.IntRange(1, 4096),
     multiple=True,
@@ -62,13 +78,15 @@ if TYPE_CHECKING:
     show_default=True,
     help="Length of the run.",
 )
+@options.degree_option
 @terminal.json_option
 def command(design_name: str, as_json: bool, **asked: Any) -> None:
     """Show what the triple products leave of coning in a turn, for several M.
 
     The design's samples and coefficients run on a sensor too fine to matter: second order, as the
     core hands it over; with the host's third-order correction (navigate --third-order); and with
-    exact third-order accumulators, which are a study and in no hardware.  DESIGN must have
+    exact third-order accumulators, which are a study and in no hardware.  Last what the samples
+    allow: the attitude iterated to convergence on a polynomial through them.  DESIGN must have
     increments.
     """
     from sculler.runs.analysis import ThirdOrderPlan, third_order_study
@@ -83,15 +101,16 @@ def command(design_name: str, as_json: bool, **asked: Any) -> None:
 def _table(data: dict[str, Any], minor_ms: float) -> Table:
     from rich.table import Table
 
+    spin = f", spin {data['spin_deg_per_s']:g} °/s" if data["spin_deg_per_s"] else ""
     table = Table(
         title=f"[bold]attitude drift of {data['design']}: {data['half_angle_deg']:g}° coning at"
-        f" {data['frequency_hz']:g} Hz in a {data['turn_deg_per_s']:g} °/s turn (°/h)[/]",
+        f" {data['frequency_hz']:g} Hz in a {data['turn_deg_per_s']:g} °/s turn{spin} (°/h)[/]",
         title_justify="left",
     )
-    for column in ("M", "interval (ms)", "second order", "host", "integers"):
+    for column in ("M", "interval (ms)", "second order", "host", "integers", "iteration"):
         table.add_column(column, justify="right")
     for row in data["minors"]:
-        numbers = (row["second_order"], row["host"], row["integers"])
+        numbers = (row["second_order"], row["host"], row["integers"], row["iteration"])
         M = row["minors"]
         table.add_row(str(M), f"{M * minor_ms:g}", *(f"{number:.2g}" for number in numbers))
     return table

@@ -73,6 +73,15 @@ half_angle_option = click.option(
 )
 """`half_angle`, degrees."""
 
+degree_option = click.option(
+    "--degree",
+    type=click.IntRange(1, 30),
+    default=10,
+    show_default=True,
+    help="Of the polynomial through the samples that the yardstick (iteration) is solved on.",
+)
+"""`degree`, of `sculler_model.analysis.iteration`."""
+
 fine_option = click.option(
     "--fine", is_flag=True, help="Run designs on a fine sensor, as families are."
 )
@@ -177,6 +186,7 @@ def frequency_plan(kind: Kind, options: Mapping[str, Any]) -> FrequencyPlan:
         options["integer_points"],
         options["fine"],
         options["requirements"],
+        options.get("degree"),
     )
 
 

@@ -78,6 +78,7 @@ class FrequencyPlan:
         points, integer_points: how many frequencies by closed form and through the integer path.
         fine: run designs, too, on a sensor so fine that it does not show.
         requirements: drifts in the kind's unit.
+        degree: of the polynomial that the samples of coning are iterated on; None for none.
 
     Raises:
         InputError: the band is empty for a design.
@@ -91,6 +92,7 @@ class FrequencyPlan:
     integer_points: int = 10
     fine: bool = False
     requirements: tuple[float, ...] = ()
+    degree: int | None = None
 
     def __post_init__(self) -> None:
         fastest = max(self.nyquist.values())
@@ -134,6 +136,7 @@ def frequency_study(plan: FrequencyPlan, *, advance: Advance = silent) -> dict[s
         "vibration": asdict(kind.vibration),
         "unit": kind.unit,
         "requirements": list(plan.requirements),
+        **({} if plan.degree is None else {"degree": plan.degree}),
         "frequency_hz": hertz.tolist(),
         "uncorrected": (kind.scale * analysis.uncorrected(kind.vibration, hertz)).tolist(),
         "designs": {
@@ -173,11 +176,21 @@ def _of_design(
                     key: kind.scale * getattr(point, key)
                     for key in ("closed_form", "second_order", "complete")
                 },
+                **_iterated(plan, design, point.hertz),
             }
             for point in measured
         ],
         "does_not_fit_sensor_hz": too_large,
     }
+
+
+def _iterated(plan: FrequencyPlan, design: Design, hertz: float) -> dict[str, float]:
+    """What the samples allow at a point's frequency, in the kind's unit."""
+    vibration = plan.kind.vibration
+    if plan.degree is None or not isinstance(vibration, analysis.Cone):
+        return {}
+    drift = analysis.iteration_drift(design, vibration, hertz, plan.degree)[1]
+    return {"iteration": plan.kind.scale * drift}
 
 
 def _integer_points(

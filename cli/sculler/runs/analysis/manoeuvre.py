@@ -9,6 +9,7 @@ from typing import Any
 
 from sculler.runs.analysis.subject import Subject
 from sculler.words import Advance, silent
+from sculler_model.analysis.iteration import DEGREE
 from sculler_model.analysis.manoeuvre import MANOEUVRES, split, update_minors
 
 REQUIREMENT = 0.07
@@ -24,6 +25,7 @@ class ManoeuvrePlan:
         manoeuvre: of `sculler_model.analysis.manoeuvre.MANOEUVRES`.
         low, high: update rates, Hz.
         fine: run designs, too, on a sensor so fine that it does not show.
+        degree: of the polynomial that the samples are iterated on.
     """
 
     subjects: Mapping[str, Subject]
@@ -31,6 +33,7 @@ class ManoeuvrePlan:
     low: float = 50.0
     high: float = 400.0
     fine: bool = False
+    degree: int = DEGREE
 
     @cached_property
     def minors(self) -> dict[str, list[int]]:
@@ -62,7 +65,7 @@ def manoeuvre_study(plan: ManoeuvrePlan, *, advance: Advance = silent) -> dict[s
         own = not (plan.fine or subject.of_family)
         rows = []
         for M in plan.minors[name]:
-            rows.append(asdict(split(subject.design, manoeuvre, M, own)))
+            rows.append(asdict(split(subject.design, manoeuvre, M, own, plan.degree)))
             advance(1)
         designs[name] = {"sensor": "own" if own else "fine", "updates": rows}
     return {
@@ -71,6 +74,7 @@ def manoeuvre_study(plan: ManoeuvrePlan, *, advance: Advance = silent) -> dict[s
         "seconds": manoeuvre.duration,
         "peak_deg_per_s": manoeuvre.peak_degrees(),
         "unit": "µrad",
+        "degree": plan.degree,
         "requirement": REQUIREMENT,
         "profile": manoeuvre.profile(201),
         "designs": designs,

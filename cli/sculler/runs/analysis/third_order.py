@@ -7,6 +7,7 @@ from math import degrees, radians
 from typing import Any
 
 from sculler.words import Advance, silent
+from sculler_model.analysis.iteration import DEGREE
 from sculler_model.analysis.triple import ConingTurn, left
 from sculler_model.design import Design
 from sculler_model.errors import InputError
@@ -25,6 +26,8 @@ class ThirdOrderPlan:
         bank: in the turn, degrees.
         minors: numbers of minor intervals of a major one.
         seconds: length of the run.
+        spin: rate about the axis that goes round the cone, °/s.
+        degree: of the polynomial that the samples are iterated on.
 
     Raises:
         InputError: the design or the motion does not fit the study.
@@ -38,6 +41,8 @@ class ThirdOrderPlan:
     bank: float = 0.0
     minors: tuple[int, ...] = (1, 2, 5, 10)
     seconds: float = 20.0
+    spin: float = 0.0
+    degree: int = DEGREE
 
     def __post_init__(self) -> None:
         design = self.design
@@ -65,10 +70,14 @@ def third_order_study(plan: ThirdOrderPlan, *, advance: Advance = silent) -> dic
         What --json prints.
     """
     motion = ConingTurn(
-        radians(plan.half_angle), plan.frequency, radians(plan.turn), radians(plan.bank)
+        radians(plan.half_angle),
+        plan.frequency,
+        radians(plan.turn),
+        radians(plan.bank),
+        radians(plan.spin),
     )
     rows = []
-    for found in left(plan.design, motion, plan.minors, plan.seconds):
+    for found in left(plan.design, motion, plan.minors, plan.seconds, plan.degree):
         row = asdict(found)
         rows.append({k: v if k == "minors" else degrees(v) * 3600 for k, v in row.items()})
         advance(1)
@@ -79,6 +88,8 @@ def third_order_study(plan: ThirdOrderPlan, *, advance: Advance = silent) -> dic
         "frequency_hz": plan.frequency,
         "turn_deg_per_s": plan.turn,
         "bank_deg": plan.bank,
+        "spin_deg_per_s": plan.spin,
+        "degree": plan.degree,
         "seconds": plan.seconds,
         "unit": "deg/h",
         "minors": rows,
