@@ -12,6 +12,7 @@ from sculler_model.outputs import make_folder, replacing
 from studies import documents
 from studies.host_c.measure import STAGES, measured
 from studies.host_c.page import document, instructions, memory
+from studies.host_c.precision import MOTIONS, left
 from studies.host_c.targets import TARGETS
 
 PAGE = "host-in-c-targets.md"
@@ -53,7 +54,9 @@ def command(folder: Path, keys: tuple[str, ...]) -> None:
     if keys:
         terminal.report({}, False, "\n".join([*instructions(found), "", *memory(found)]))
         return
+    with terminal.progress("flying", len(MOTIONS)) as advance:
+        precisions = left(advance=advance)
     path = make_folder(folder) / PAGE
     with replacing(path) as temporary:
-        temporary.write_text(document(found), encoding="utf-8")
+        temporary.write_text(document(found, precisions), encoding="utf-8")
     terminal.report({}, False, f"wrote {terminal.verbatim(path)}")

@@ -76,6 +76,8 @@ def measure(target: Target, advance: Callable[[int], None] = lambda steps: None)
                 *FLAGS,
                 *target.optimised,
                 *target.flags,
+                *target.precision,
+                *target.language,
                 "-c",
                 f"{module}.c",
             )
@@ -129,9 +131,9 @@ def _run(folder: Path, target: Target, stage: int, updates: int) -> tuple[int, i
         *FLAGS,
         *target.optimised,
         *target.flags,
+        *target.precision,
         *defined,
-        "-c",
-        "program.c",
+        *("-std=gnu99", "-c", "program.c"),
     )
     objects = [f"{module}.o" for module in ("program", *NAVIGATOR, *TELEMETRY)]
     _called(
@@ -175,7 +177,16 @@ def _data(folder: Path, target: Target) -> tuple[int, int]:
         '#include "sculler_align.h"\nchar nav[sizeof(sculler_nav)];\n'
         "char window[sizeof(sculler_align)];\n"
     )
-    _called(folder, target.compiler, *FLAGS, *target.optimised, *target.flags, "-c", "data.c")
+    _called(
+        folder,
+        target.compiler,
+        *FLAGS,
+        *target.optimised,
+        *target.flags,
+        *target.precision,
+        "-c",
+        "data.c",
+    )
     said = _called(folder, target.compiler.replace("gcc", "nm"), "-S", "data.o")
     found = {line.split()[3]: int(line.split()[1], 16) for line in said.splitlines()}
     return found["nav"], found["window"]

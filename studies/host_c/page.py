@@ -6,17 +6,21 @@ from collections.abc import Iterator, Sequence
 
 from studies import documents
 from studies.host_c.measure import DESIGN, MANY, STAGES, Measured
+from studies.host_c.precision import Left, section
 from studies.host_c.targets import TARGETS, Target
 
 GOAL_INSTRUCTIONS, GOAL_BYTES = 6000, 24 * 1024
 """What a processor with hardware for doubles is meant to need."""
 
 
-def document(found: Sequence[Measured]) -> str:
+def document(found: Sequence[Measured], precisions: Sequence[Left] = ()) -> str:
     """The text of the page."""
     lines: list[str] = []
-    for section in (_introduction(found), instructions(found), memory(found), _left_out(found)):
-        lines += [*section, ""]
+    for part in (
+        *(_introduction(found), instructions(found), memory(found)),
+        *(section(precisions), _left_out(found)),
+    ):
+        lines += [*part, ""]
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -72,7 +76,8 @@ def instructions(found: Sequence[Measured]) -> Iterator[str]:
         f"The goal, {GOAL_INSTRUCTIONS:,} instructions an update and {GOAL_BYTES // 1024} KiB of"
         f" code with hardware for doubles, is met on {len(met)} of {len(fast)} processors; where"
         ' the table says "without", code is counted without the libraries.'
-        " Without such hardware every operation is a call into the compiler's library, some"
+        " Without such hardware every operation on doubles is a call into the compiler's library,"
+        " some"
         " ten to thirty times as many instructions, and up to three times the code."
     )
 

@@ -214,7 +214,7 @@ def test_a_stream_finds_its_beginning_again() -> None:
 
 
 def test_integers_become_the_nearest_doubles() -> None:
-    to_double = HostInC(DESIGNS["stim300"]).functions.sculler_integer_to_double
+    to_double = HostInC(DESIGNS["stim300"]).functions.sculler_integer_to_real
     to_double.restype = ctypes.c_double
     random = np.random.default_rng(3)
     numbers = [0, 1, -1, 2**53 + 1, 2**53 + 3, 2**64 - 1, 2**64, 2**63, -(2**63), 2**128 - 1]

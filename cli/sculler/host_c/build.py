@@ -10,6 +10,7 @@ import platform
 import shlex
 import shutil
 from pathlib import Path
+from typing import Literal
 
 from sculler.host_c.emit import engine_text, host_texts, library_texts
 from sculler_model.design import Design
@@ -17,8 +18,16 @@ from sculler_model.errors import InputError
 from sculler_sim import processes
 from sculler_sim.engines import cache
 
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared")
+FLAGS = ("-O2", "-ffp-contract=off", "-fPIC", "-shared")
 """No product is fused with a sum, so that a host rounds as Python does."""
+
+Precision = Literal["double", "double-single", "single"]
+PRECISIONS: dict[Precision, tuple[str, ...]] = {
+    "double": ("-std=c99",),
+    "double-single": ("-std=c++11", "-x", "c++", "-DSCULLER_DOUBLE_SINGLE"),
+    "single": ("-std=c99", "-DSCULLER_SINGLE", "-fsingle-precision-constant"),
+}
+"""What the library's numbers are (sculler_real.h), and what the compiler is told of it."""
 
 
 def compiler() -> tuple[str, ...]:
@@ -45,12 +54,13 @@ def compiler() -> tuple[str, ...]:
     )
 
 
-def build(design: Design, *more_flags: str) -> Path:
+def build(design: Design, *more_flags: str, precision: Precision = "double") -> Path:
     """The shared library of a design's host, from the cache or newly built.
 
     Args:
         design: the design.
         more_flags: of the compiler, such as sanitizers.
+        precision: of all numbers.
 
     Raises:
         InputError: there is no compiler or it fails (its log is kept), the cache cannot be written
@@ -60,7 +70,7 @@ def build(design: Design, *more_flags: str) -> Path:
     (version,) = processes.run([*command, "--version"])
     name = f"{design.name}_host"
     texts = {**library_texts(), **host_texts(design), "engine.c": engine_text(design)}
-    flags = [*FLAGS, *more_flags]
+    flags = [*FLAGS, *PRECISIONS[precision], *more_flags]
     library = cache.entry(
         name, ".so", version.said, platform.machine(), *flags, *texts, *texts.values()
     )

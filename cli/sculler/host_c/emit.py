@@ -10,6 +10,8 @@ from sculler_model.design import HIGH_RESOLUTION_VECTORS, Design, scales_hash
 from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
 
 LIBRARY = (
+    "sculler_real.h",
+    "sculler_double_single.hpp",
     "sculler_math.h",
     "sculler_nav.h",
     "sculler_nav.c",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.host_c.build import build
+from sculler.host_c.build import Precision, build
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock, limbs_of
@@ -39,14 +39,15 @@ class HostInC:
     Args:
         design: whose host it is; it is compiled, or found in the cache.
         flags: more flags of the compiler.
+        precision: of all its numbers; arrays that go in and out are doubles.
 
     Raises:
         InputError: there is no C compiler, or it fails.
     """
 
-    def __init__(self, design: Design, *flags: str) -> None:
+    def __init__(self, design: Design, *flags: str, precision: Precision = "double") -> None:
         self.design = design
-        self._library = ctypes.CDLL(str(build(design, *flags)))
+        self._library = ctypes.CDLL(str(build(design, *flags, precision=precision)))
         for name in ("size", "run", "align_size", "align_steps", "third_order_size"):
             getattr(self._library, f"engine_{name}").restype = ctypes.c_size_t
 

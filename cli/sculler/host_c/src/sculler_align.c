@@ -17,16 +17,16 @@ static sculler_align_part no_sums(void)
 }
 
 /* The polar axis in north-east-down. */
-static sculler_vector polar_axis(double lat)
+static sculler_vector polar_axis(sculler_real lat)
 {
     sculler_vector axis = {cos(lat), 0.0, -sin(lat)};
     return axis;
 }
 
 /* Earth's turn (rad), from north-east-down at the start to inertial space. */
-static sculler_quaternion earth_turn(double lat, double angle)
+static sculler_quaternion earth_turn(sculler_real lat, sculler_real angle)
 {
-    double sine = sin(0.5 * angle);
+    sculler_real sine = sin(0.5 * angle);
     sculler_quaternion q = {cos(0.5 * angle), cos(lat) * sine, 0.0, -sin(lat) * sine};
     return q;
 }
@@ -39,28 +39,28 @@ sculler_noise sculler_unknown_noise(void)
     return noise;
 }
 
-static size_t step_size(double interval)
+static size_t step_size(sculler_real interval)
 {
-    double each = 1.0 / interval + 0.5;
+    sculler_real each = 1.0 / interval + 0.5;
     return each < 1.0 ? 1u : (size_t)each;
 }
 
-size_t sculler_align_steps(double interval, size_t count)
+size_t sculler_align_steps(sculler_real interval, size_t count)
 {
     return count / step_size(interval);
 }
 
 sculler_error sculler_align_begin(
     sculler_align *window,
-    double interval,
+    sculler_real interval,
     size_t count,
-    double lat,
-    double h,
+    sculler_real lat,
+    sculler_real h,
     const sculler_gravity *gravity,
     sculler_align_part *steps,
     size_t step_room)
 {
-    if (!(interval > 0.0) || count < FEWEST || (double)count * interval < MIN_SECONDS) {
+    if (!(interval > 0.0) || count < FEWEST || (sculler_real)count * interval < MIN_SECONDS) {
         return SCULLER_TOO_SHORT;
     }
     if (steps != NULL && step_room < sculler_align_steps(interval, count)) {
@@ -102,7 +102,7 @@ sculler_error sculler_align_begin(
 }
 
 static void add(
-    sculler_align_part *part, sculler_vector force, double weight, double cosine, double sine)
+    sculler_align_part *part, sculler_vector force, sculler_real weight, sculler_real cosine, sculler_real sine)
 {
     part->plain = sculler_plus(part->plain, force, weight);
     part->cosine = sculler_plus(part->cosine, force, weight * cosine);
@@ -125,8 +125,8 @@ bool sculler_align_take(sculler_align *window, const sculler_increments *increme
         return true;
     }
     /* the specific force in the inertial frame that the body left, at the middle of the interval */
-    double time = ((double)k + 0.5) * window->interval;
-    double cosine = cos(SCULLER_EARTH_RATE * time), sine = sin(SCULLER_EARTH_RATE * time);
+    sculler_real time = ((sculler_real)k + 0.5) * window->interval;
+    sculler_real cosine = cos(SCULLER_EARTH_RATE * time), sine = sin(SCULLER_EARTH_RATE * time);
     sculler_vector force =
         sculler_rotate(window->chain, sculler_per(increments->dv_sf, window->interval));
     sculler_align_part *part =
@@ -137,7 +137,7 @@ bool sculler_align_take(sculler_align *window, const sculler_increments *increme
     window->turned = sculler_plus(window->turned, increments->phi, 1.0);
     window->pushed = sculler_plus(window->pushed, increments->dv_sf, 1.0);
     add(&window->whole, force, 1.0, cosine, sine);
-    add(&window->sloped, force, time - 0.5 * (double)count * window->interval, cosine, sine);
+    add(&window->sloped, force, time - 0.5 * (sculler_real)count * window->interval, cosine, sine);
     for (size_t i = 0; i < 3u; i++) {
         sculler_vector axis = sculler_rotate(sculler_conjugate(window->chain), axes[i]);
         window->down[i][0] = sculler_plus(window->down[i][0], axis, 1.0);
@@ -167,30 +167,30 @@ sculler_vector sculler_align_level(
     sculler_vector plain = sculler_rotate(start, part->plain);
     sculler_vector cosine = sculler_rotate(start, part->cosine);
     sculler_vector sine = sculler_rotate(start, part->sine);
-    double along = sculler_dot(p, sculler_plus(plain, cosine, -1.0));
+    sculler_real along = sculler_dot(p, sculler_plus(plain, cosine, -1.0));
     sculler_vector across = sculler_cross(p, sine);
     return sculler_plus(sculler_plus(cosine, p, along), across, -1.0);
 }
 
 /* The eigenvector of the largest eigenvalue of a symmetric matrix, by Jacobi's rotations. */
-static sculler_quaternion largest(double K[4][4])
+static sculler_quaternion largest(sculler_real K[4][4])
 {
-    double V[4][4] = {
+    sculler_real V[4][4] = {
         {1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}, {0.0, 0.0, 0.0, 1.0}};
     for (int sweep = 0; sweep < 12; sweep++) { /* it converges quadratically: five do */
         for (size_t i = 0; i < 3u; i++) {
             for (size_t j = i + 1u; j < 4u; j++) {
-                double angle = 0.5 * atan2(2.0 * K[i][j], K[j][j] - K[i][i]);
-                double c = cos(angle), s = sin(angle);
+                sculler_real angle = 0.5 * atan2(2.0 * K[i][j], K[j][j] - K[i][i]);
+                sculler_real c = cos(angle), s = sin(angle);
                 for (size_t k = 0; k < 4u; k++) {
-                    double a = K[k][i], b = K[k][j], v = V[k][i], w = V[k][j];
+                    sculler_real a = K[k][i], b = K[k][j], v = V[k][i], w = V[k][j];
                     K[k][i] = c * a - s * b;
                     K[k][j] = s * a + c * b;
                     V[k][i] = c * v - s * w;
                     V[k][j] = s * v + c * w;
                 }
                 for (size_t k = 0; k < 4u; k++) {
-                    double a = K[i][k], b = K[j][k];
+                    sculler_real a = K[i][k], b = K[j][k];
                     K[i][k] = c * a - s * b;
                     K[j][k] = s * a + c * b;
                 }
@@ -201,7 +201,7 @@ static sculler_quaternion largest(double K[4][4])
     for (size_t i = 1; i < 4u; i++) {
         best = K[i][i] > K[best][best] ? i : best;
     }
-    double sign = V[0][best] < 0.0 ? -1.0 : 1.0;
+    sculler_real sign = V[0][best] < 0.0 ? -1.0 : 1.0;
     sculler_quaternion q = {
         sign * V[0][best], sign * V[1][best], sign * V[2][best], sign * V[3][best]};
     return q;
@@ -217,18 +217,18 @@ static sculler_quaternion attitude_at_start(const sculler_align *window)
     sculler_vector across = sculler_cross(p, u);
     const sculler_align_part *sum = &window->whole;
     sculler_vector rest = sculler_plus(sum->plain, sum->cosine, -1.0);
-    const double up[3][3] = {{u.x, along.x, across.x}, {u.y, along.y, across.y},
+    const sculler_real up[3][3] = {{u.x, along.x, across.x}, {u.y, along.y, across.y},
                              {u.z, along.z, across.z}};
-    const double f[3][3] = {{sum->cosine.x, sum->cosine.y, sum->cosine.z},
+    const sculler_real f[3][3] = {{sum->cosine.x, sum->cosine.y, sum->cosine.z},
                             {rest.x, rest.y, rest.z},
                             {sum->sine.x, sum->sine.y, sum->sine.z}};
-    double B[3][3], K[4][4];
+    sculler_real B[3][3], K[4][4];
     for (size_t i = 0; i < 3u; i++) {
         for (size_t j = 0; j < 3u; j++) {
             B[i][j] = up[i][0] * f[0][j] + up[i][1] * f[1][j] + up[i][2] * f[2][j];
         }
     }
-    double trace = B[0][0] + B[1][1] + B[2][2];
+    sculler_real trace = B[0][0] + B[1][1] + B[2][2];
     K[0][0] = trace;
     K[0][1] = B[2][1] - B[1][2];
     K[0][2] = B[0][2] - B[2][0];
@@ -251,7 +251,7 @@ static sculler_vector mean_down(const sculler_align *window, sculler_quaternion 
     sculler_vector along = sculler_rotate(back, sculler_times(p.z, p));
     sculler_vector cosine = sculler_plus(sculler_rotate(back, z), along, -1.0);
     sculler_vector sine = sculler_rotate(back, sculler_cross(p, z));
-    const double parts[3][3] = {{along.x, cosine.x, sine.x}, {along.y, cosine.y, sine.y},
+    const sculler_real parts[3][3] = {{along.x, cosine.x, sine.x}, {along.y, cosine.y, sine.y},
                                 {along.z, cosine.z, sine.z}};
     sculler_vector sum = sculler_nothing();
     for (size_t i = 0; i < 3u; i++) {
@@ -259,18 +259,18 @@ static sculler_vector mean_down(const sculler_align *window, sculler_quaternion 
             sum = sculler_plus(sum, window->down[i][k], parts[i][k]);
         }
     }
-    return sculler_per(sum, (double)window->count);
+    return sculler_per(sum, (sculler_real)window->count);
 }
 
 /* ---- covariance ----------------------------------------------------------------------------- */
 
 typedef struct {
-    double at[3][3];
+    sculler_real at[3][3];
 } matrix;
 
 static matrix dcm(sculler_quaternion q)
 {
-    double w = q.w, x = q.x, y = q.y, z = q.z;
+    sculler_real w = q.w, x = q.x, y = q.y, z = q.z;
     matrix m = {{{1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)},
                  {2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)},
                  {2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)}}};
@@ -290,7 +290,7 @@ static matrix multiplied(const matrix *a, const matrix *b)
 }
 
 /* total += weight a a^T, of so many columns of a */
-static void add_square(matrix *total, const matrix *a, double weight, size_t columns)
+static void add_square(matrix *total, const matrix *a, sculler_real weight, size_t columns)
 {
     for (size_t i = 0; i < 3u; i++) {
         for (size_t j = 0; j < 3u; j++) {
@@ -301,7 +301,7 @@ static void add_square(matrix *total, const matrix *a, double weight, size_t col
     }
 }
 
-static void add_matrix(matrix *total, const matrix *a, double weight)
+static void add_matrix(matrix *total, const matrix *a, sculler_real weight)
 {
     for (size_t i = 0; i < 3u; i++) {
         for (size_t j = 0; j < 3u; j++) {
@@ -320,7 +320,7 @@ static matrix inverse(const matrix *m)
             found.at[j][i] = m->at[i1][j1] * m->at[i2][j2] - m->at[i1][j2] * m->at[i2][j1];
         }
     }
-    double determinant = m->at[0][0] * found.at[0][0] + m->at[0][1] * found.at[1][0]
+    sculler_real determinant = m->at[0][0] * found.at[0][0] + m->at[0][1] * found.at[1][0]
                   + m->at[0][2] * found.at[2][0];
     for (size_t i = 0; i < 3u; i++) {
         for (size_t j = 0; j < 3u; j++) {
@@ -333,10 +333,10 @@ static matrix inverse(const matrix *m)
 /* I - u u^T of where gravity points at the middle of a part; gets north-east-down there. */
 static matrix seen_square(const sculler_align *window, size_t part, matrix *swing)
 {
-    double step = (double)window->part_size * window->interval;
-    double seconds = (double)window->count * window->interval;
+    sculler_real step = (sculler_real)window->part_size * window->interval;
+    sculler_real seconds = (sculler_real)window->count * window->interval;
     size_t later = window->part_count - 1u - part;
-    double time = seconds - step * ((double)later + 0.5);
+    sculler_real time = seconds - step * ((sculler_real)later + 0.5);
     *swing = dcm(earth_turn(window->lat, SCULLER_EARTH_RATE * time));
     matrix P;
     for (size_t i = 0; i < 3u; i++) {
@@ -352,16 +352,16 @@ static matrix seen_square(const sculler_align *window, size_t part, matrix *swin
  * where the chain of the gyros has turned by psi_k and the tilt noise is eta_k; the attitude at the
  * end is off by that and the last psi. */
 static void covariance_of(
-    const sculler_align *window, const sculler_noise *noise, double covariance[3][3])
+    const sculler_align *window, const sculler_noise *noise, sculler_real covariance[3][3])
 {
     const matrix zero = {{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
     const matrix one = {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
-    double step = (double)window->part_size * window->interval, g = window->gravity;
-    double walk = noise->angle_random_walk > 0.0 ? noise->angle_random_walk : 0.0;
-    double white = noise->velocity_random_walk > 0.0 ? noise->velocity_random_walk / g : 0.0;
-    double blue = noise->velocity_noise > 0.0 ? noise->velocity_noise / g : 0.0;
-    double bias = noise->gyro_bias > 0.0 ? noise->gyro_bias : 0.0;
-    double tilt = noise->accel_bias > 0.0 ? noise->accel_bias / g : 0.0;
+    sculler_real step = (sculler_real)window->part_size * window->interval, g = window->gravity;
+    sculler_real walk = noise->angle_random_walk > 0.0 ? noise->angle_random_walk : 0.0;
+    sculler_real white = noise->velocity_random_walk > 0.0 ? noise->velocity_random_walk / g : 0.0;
+    sculler_real blue = noise->velocity_noise > 0.0 ? noise->velocity_noise / g : 0.0;
+    sculler_real bias = noise->gyro_bias > 0.0 ? noise->gyro_bias : 0.0;
+    sculler_real tilt = noise->accel_bias > 0.0 ? noise->accel_bias / g : 0.0;
     matrix sum = zero, after = zero, last = zero, drift = zero, tilted = zero, total = zero, swing;
     for (size_t k = 0; k < window->part_count; k++) {
         matrix P = seen_square(window, k, &swing);
@@ -389,7 +389,7 @@ static void covariance_of(
     add_square(&total, &drift, bias * bias, 3u);
     add_square(&total, &tilted, tilt * tilt, 2u);
     matrix end = dcm(sculler_conjugate(earth_turn(
-        window->lat, SCULLER_EARTH_RATE * ((double)window->count * window->interval))));
+        window->lat, SCULLER_EARTH_RATE * ((sculler_real)window->count * window->interval))));
     matrix half = multiplied(&end, &total);
     for (size_t i = 0; i < 3u; i++) {
         for (size_t j = 0; j < 3u; j++) {
@@ -401,15 +401,15 @@ static void covariance_of(
 
 /* ---- the coarse stage ----------------------------------------------------------------------- */
 
-static double length(sculler_vector v)
+static sculler_real length(sculler_vector v)
 {
     return sqrt(sculler_dot(v, v));
 }
 
 static sculler_error unfit(const sculler_align *window)
 {
-    double seconds = (double)window->count * window->interval;
-    double rate = length(window->turned) / seconds, force = length(window->pushed) / seconds;
+    sculler_real seconds = (sculler_real)window->count * window->interval;
+    sculler_real rate = length(window->turned) / seconds, force = length(window->pushed) / seconds;
     if (window->taken < window->count) {
         return SCULLER_TOO_SHORT;
     }
@@ -429,8 +429,8 @@ sculler_error sculler_align_finish(
     if (error != SCULLER_OK) {
         return error;
     }
-    double count = (double)window->count, T = window->interval, seconds = count * T;
-    double horizontal = SCULLER_EARTH_RATE * cos(window->lat);
+    sculler_real count = (sculler_real)window->count, T = window->interval, seconds = count * T;
+    sculler_real horizontal = SCULLER_EARTH_RATE * cos(window->lat);
     sculler_quaternion start = attitude_at_start(window);
     sculler_vector turn = {
         -horizontal * seconds, 0.0, SCULLER_EARTH_RATE * sin(window->lat) * seconds};
@@ -442,8 +442,8 @@ sculler_error sculler_align_finish(
     found->specific_force =
         length(sculler_align_level(window, start, &window->whole)) / count;
     /* the slope of the force east; sum of (t - mean)^2 in closed form */
-    double squares = T * T * count * (count * count - 1.0) / 12.0;
-    double slope = sculler_align_level(window, start, &window->sloped).y / squares;
+    sculler_real squares = T * T * count * (count * count - 1.0) / 12.0;
+    sculler_real slope = sculler_align_level(window, start, &window->sloped).y / squares;
     found->horizontal_rate = horizontal + slope / window->gravity;
     found->down_rate = sculler_dot(window->turned, mean_down(window, start)) / count / T;
     found->noise = *known;

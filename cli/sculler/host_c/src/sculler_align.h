@@ -29,11 +29,11 @@ extern "C" {
 /* What is known of the sensors' errors, one standard deviation, each axis; negative where nothing
  * is.  What is left out of the first three is estimated from the window; a bias cannot be. */
 typedef struct {
-    double angle_random_walk;    /* N, rad/sqrt(s) */
-    double velocity_random_walk; /* K, m/s/sqrt(s) */
-    double velocity_noise;       /* of the velocity at one instant, m/s, > 0 */
-    double gyro_bias;            /* constant over the window, rad/s */
-    double accel_bias;           /* constant over the window, m/s^2 */
+    sculler_real angle_random_walk;    /* N, rad/sqrt(s) */
+    sculler_real velocity_random_walk; /* K, m/s/sqrt(s) */
+    sculler_real velocity_noise;       /* of the velocity at one instant, m/s, > 0 */
+    sculler_real gyro_bias;            /* constant over the window, rad/s */
+    sculler_real accel_bias;           /* constant over the window, m/s^2 */
 } sculler_noise;
 
 /* Sums of the specific force in the inertial frame that the body left, over some intervals. */
@@ -44,7 +44,7 @@ typedef struct {
 
 /* A window.  The caller makes room for it; its members are the library's. */
 typedef struct {
-    double interval, lat, gravity, lean; /* s, rad, m/s^2, m/s^2 */
+    sculler_real interval, lat, gravity, lean; /* s, rad, m/s^2, m/s^2 */
     size_t count, taken;                 /* intervals */
     size_t part_size, part_count;        /* intervals of a part; parts */
     size_t step_size, step_count;        /* the same of the fine stage's steps */
@@ -54,20 +54,20 @@ typedef struct {
     sculler_vector down[3][3];           /* axes of the inertial frame in the body, times 1, cos, sin */
     sculler_align_part *steps;
     sculler_align_part parts[SCULLER_ALIGN_PARTS];
-    double series[5][SCULLER_ALIGN_PARTS];  /* two of tilts, three of angles, rad */
-    double spectra[SCULLER_ALIGN_MODES][3]; /* of walk, white and blue noise of variance 1 */
-    double power[2][SCULLER_ALIGN_MODES];   /* of the tilts; of the gyros' angles */
+    sculler_real series[5][SCULLER_ALIGN_PARTS];  /* two of tilts, three of angles, rad */
+    sculler_real spectra[SCULLER_ALIGN_MODES][3]; /* of walk, white and blue noise of variance 1 */
+    sculler_real power[2][SCULLER_ALIGN_MODES];   /* of the tilts; of the gyros' angles */
 } sculler_align;
 
 /* What the coarse stage found. */
 typedef struct {
     sculler_quaternion q;      /* q_nb at the END of the window */
-    double covariance[3][3];   /* of the attitude about north, east, down, rad^2 */
-    double seconds;            /* length of the window */
-    double horizontal_rate;    /* of the Earth as gravity's swing shows it, rad/s */
-    double down_rate;          /* mean rate about the vertical, down, rad/s */
-    double specific_force;     /* size of the mean, m/s^2 */
-    double gravity;            /* of the model here, m/s^2 */
+    sculler_real covariance[3][3];   /* of the attitude about north, east, down, rad^2 */
+    sculler_real seconds;            /* length of the window */
+    sculler_real horizontal_rate;    /* of the Earth as gravity's swing shows it, rad/s */
+    sculler_real down_rate;          /* mean rate about the vertical, down, rad/s */
+    sculler_real specific_force;     /* size of the mean, m/s^2 */
+    sculler_real gravity;            /* of the model here, m/s^2 */
     sculler_noise noise;       /* as known, or as the window shows it */
     sculler_quaternion turned; /* of the body from start to end, in inertial space */
 } sculler_alignment;
@@ -75,17 +75,17 @@ typedef struct {
 /* What the fine stage found. */
 typedef struct {
     sculler_quaternion q;           /* q_nb at the END of the window */
-    double covariance[3][3];        /* as above */
+    sculler_real covariance[3][3];        /* as above */
     sculler_vector gyro_bias;       /* rad/s, body axes: what the gyros show too much */
     sculler_vector gyro_bias_sigma; /* rad/s, north, east, down; negative where it cannot be seen */
-    double surprise;                /* mean normalised innovation squared; about 1 or less */
+    sculler_real surprise;                /* mean normalised innovation squared; about 1 or less */
 } sculler_fine_alignment;
 
 /* Nothing is known of the sensors. */
 sculler_noise sculler_unknown_noise(void);
 
 /* How many steps the fine stage of a window needs. */
-size_t sculler_align_steps(double interval, size_t count);
+size_t sculler_align_steps(sculler_real interval, size_t count);
 
 /* Begin a window.
  *
@@ -97,10 +97,10 @@ size_t sculler_align_steps(double interval, size_t count);
  * SCULLER_TOO_SHORT: less than 10 s or 10 intervals, or too little room.  SCULLER_NEAR_POLE. */
 sculler_error sculler_align_begin(
     sculler_align *window,
-    double interval,
+    sculler_real interval,
     size_t count,
-    double lat,
-    double h,
+    sculler_real lat,
+    sculler_real h,
     const sculler_gravity *gravity,
     sculler_align_part *steps,
     size_t step_room);
@@ -125,7 +125,7 @@ void sculler_align_refine(
 
 /* Take a gyro bias (rad/s, body axes) out of an interval's increments. */
 void sculler_take_out_bias(
-    sculler_vector gyro_bias, double interval, sculler_increments *increments);
+    sculler_vector gyro_bias, sculler_real interval, sculler_increments *increments);
 
 /* Internal: the sum of a part in north-east-down, of q_nb at the start; and the noise that a window
  * shows, of which parts and their length in s. */

@@ -18,16 +18,16 @@
 #define ROUNDING 1e-7 /* m/s */
 
 typedef struct {
-    double at[STATES][STATES];
+    sculler_real at[STATES][STATES];
 } matrix8;
 
 typedef struct {
-    double x[STATES];
+    sculler_real x[STATES];
     matrix8 P, transition, spread;
-    double surprise;
+    sculler_real surprise;
 } filter;
 
-static void set(matrix8 *m, double diagonal)
+static void set(matrix8 *m, sculler_real diagonal)
 {
     for (size_t i = 0; i < STATES; i++) {
         for (size_t j = 0; j < STATES; j++) {
@@ -41,7 +41,7 @@ static void multiply(matrix8 *out, const matrix8 *a, const matrix8 *b)
 {
     for (size_t i = 0; i < STATES; i++) {
         for (size_t j = 0; j < STATES; j++) {
-            double sum = 0.0;
+            sculler_real sum = 0.0;
             for (size_t k = 0; k < STATES; k++) {
                 sum += a->at[i][k] * b->at[k][j];
             }
@@ -56,7 +56,7 @@ static void surround(matrix8 *out, const matrix8 *a, const matrix8 *b, matrix8 *
     multiply(scratch, a, b);
     for (size_t i = 0; i < STATES; i++) {
         for (size_t j = 0; j < STATES; j++) {
-            double sum = 0.0;
+            sculler_real sum = 0.0;
             for (size_t k = 0; k < STATES; k++) {
                 sum += scratch->at[i][k] * a->at[j][k];
             }
@@ -66,10 +66,10 @@ static void surround(matrix8 *out, const matrix8 *a, const matrix8 *b, matrix8 *
 }
 
 /* F of x' = F x, times seconds. */
-static void dynamics(matrix8 *F, double lat, double g, double seconds)
+static void dynamics(matrix8 *F, sculler_real lat, sculler_real g, sculler_real seconds)
 {
-    double north = SCULLER_EARTH_RATE * cos(lat) * seconds;
-    double down = -SCULLER_EARTH_RATE * sin(lat) * seconds;
+    sculler_real north = SCULLER_EARTH_RATE * cos(lat) * seconds;
+    sculler_real down = -SCULLER_EARTH_RATE * sin(lat) * seconds;
     set(F, 0.0);
     F->at[0][1] = down;
     F->at[1][0] = -down;
@@ -92,7 +92,7 @@ static void exponential(matrix8 *total, const matrix8 *A)
         multiply(&next, &term, A);
         for (size_t i = 0; i < STATES; i++) {
             for (size_t j = 0; j < STATES; j++) {
-                term.at[i][j] = next.at[i][j] / (double)k;
+                term.at[i][j] = next.at[i][j] / (sculler_real)k;
                 total->at[i][j] += term.at[i][j];
             }
         }
@@ -102,13 +102,13 @@ static void exponential(matrix8 *total, const matrix8 *A)
 /* Transition over a step, and the covariance of the noise that comes in meanwhile, by Gauss's
  * points. */
 static void discretise(
-    filter *f, const sculler_align *window, const sculler_noise *noise, double seconds)
+    filter *f, const sculler_align *window, const sculler_noise *noise, sculler_real seconds)
 {
-    static const double nodes[4] = {
+    static const sculler_real nodes[4] = {
         -0.86113631159405257, -0.33998104358485626, 0.33998104358485626, 0.86113631159405257};
-    static const double weights[4] = {
+    static const sculler_real weights[4] = {
         0.34785484513745385, 0.65214515486254614, 0.65214515486254614, 0.34785484513745385};
-    double walk = noise->angle_random_walk, force = noise->velocity_random_walk;
+    sculler_real walk = noise->angle_random_walk, force = noise->velocity_random_walk;
     matrix8 F, to_end, rates, part, scratch;
     set(&rates, 0.0);
     for (size_t i = 0; i < 5u; i++) {
@@ -129,7 +129,7 @@ static void discretise(
     exponential(&f->transition, &F);
 }
 
-static void begin_filter(filter *f, const sculler_alignment *coarse, double seen_at_once)
+static void begin_filter(filter *f, const sculler_alignment *coarse, sculler_real seen_at_once)
 {
     const sculler_noise *noise = &coarse->noise;
     for (size_t i = 0; i < STATES; i++) {
@@ -137,10 +137,10 @@ static void begin_filter(filter *f, const sculler_alignment *coarse, double seen
     }
     set(&f->P, 0.0);
     for (size_t i = 0; i < 3u; i++) {
-        double sure = SURELY * sqrt(coarse->covariance[i][i]);
-        double least = i < 2u ? TILT : HEADING;
-        double attitude = sure > least ? sure : least;
-        double bias = i == 0u ? ANY_BIAS : 0.0;
+        sculler_real sure = SURELY * sqrt(coarse->covariance[i][i]);
+        sculler_real least = i < 2u ? TILT : HEADING;
+        sculler_real attitude = sure > least ? sure : least;
+        sculler_real bias = i == 0u ? ANY_BIAS : 0.0;
         bias = noise->gyro_bias < 0.0 ? bias : noise->gyro_bias;
         f->P.at[i][i] = attitude * attitude;
         f->P.at[i + 5u][i + 5u] = bias * bias;
@@ -153,7 +153,7 @@ static void begin_filter(filter *f, const sculler_alignment *coarse, double seen
 /* A step in time. */
 static void predict(filter *f)
 {
-    double x[STATES];
+    sculler_real x[STATES];
     matrix8 scratch, P;
     for (size_t i = 0; i < STATES; i++) {
         x[i] = 0.0;
@@ -171,20 +171,20 @@ static void predict(filter *f)
 }
 
 /* Look at the velocity, of variance R; Joseph's form stays symmetric and positive. */
-static void correct(filter *f, double north, double east, double R)
+static void correct(filter *f, sculler_real north, sculler_real east, sculler_real R)
 {
-    const double strayed[2] = {north - f->x[3], east - f->x[4]};
-    double gain[STATES][2];
-    double a = f->P.at[3][3] + R, b = f->P.at[3][4], c = f->P.at[4][3], d = f->P.at[4][4] + R;
-    double determinant = a * d - b * c;
-    const double solved[2] = {
+    const sculler_real strayed[2] = {north - f->x[3], east - f->x[4]};
+    sculler_real gain[STATES][2];
+    sculler_real a = f->P.at[3][3] + R, b = f->P.at[3][4], c = f->P.at[4][3], d = f->P.at[4][4] + R;
+    sculler_real determinant = a * d - b * c;
+    const sculler_real solved[2] = {
         (d * strayed[0] - b * strayed[1]) / determinant,
         (a * strayed[1] - c * strayed[0]) / determinant};
     matrix8 keep, scratch, P;
     f->surprise += strayed[0] * solved[0] + strayed[1] * solved[1];
     set(&keep, 1.0);
     for (size_t i = 0; i < STATES; i++) {
-        double first = f->P.at[3][i], second = f->P.at[4][i];
+        sculler_real first = f->P.at[3][i], second = f->P.at[4][i];
         gain[i][0] = (d * first - b * second) / determinant;
         gain[i][1] = (a * second - c * first) / determinant;
         f->x[i] += gain[i][0] * strayed[0] + gain[i][1] * strayed[1];
@@ -203,7 +203,7 @@ static void correct(filter *f, double north, double east, double R)
 /* q_nb at the start in north-east-down of the start, as the coarse attitude has it. */
 static sculler_quaternion at_start(const sculler_align *window, const sculler_alignment *coarse)
 {
-    double half = -0.5 * SCULLER_EARTH_RATE * coarse->seconds;
+    sculler_real half = -0.5 * SCULLER_EARTH_RATE * coarse->seconds;
     sculler_quaternion back = {
         cos(half), cos(window->lat) * sin(half), 0.0, -sin(window->lat) * sin(half)};
     sculler_quaternion unturned =
@@ -217,22 +217,22 @@ void sculler_align_refine(
     sculler_fine_alignment *found)
 {
     const sculler_noise *noise = &coarse->noise;
-    double T = window->interval, g = window->gravity;
-    double seen_at_once = noise->velocity_noise > ROUNDING ? noise->velocity_noise : ROUNDING;
-    double north = 0.0, east = 0.0;
+    sculler_real T = window->interval, g = window->gravity;
+    sculler_real seen_at_once = noise->velocity_noise > ROUNDING ? noise->velocity_noise : ROUNDING;
+    sculler_real north = 0.0, east = 0.0;
     sculler_quaternion start = at_start(window, coarse);
     filter f;
-    discretise(&f, window, noise, (double)window->step_size * T);
+    discretise(&f, window, noise, (sculler_real)window->step_size * T);
     begin_filter(&f, coarse, seen_at_once);
     for (size_t i = 0; i < window->step_count; i++) {
         sculler_vector level = sculler_align_level(window, start, &window->steps[i]);
-        north += T * level.x + (double)window->step_size * (T * cos(window->lat) * window->lean);
+        north += T * level.x + (sculler_real)window->step_size * (T * cos(window->lat) * window->lean);
         east += T * level.y;
         predict(&f);
         correct(&f, north, east, seen_at_once * seen_at_once);
     }
     sculler_vector error = {-f.x[0], -f.x[1], -f.x[2]}, bias = {f.x[5], f.x[6], f.x[7]};
-    double tilt = noise->accel_bias > 0.0 ? noise->accel_bias / g : 0.0;
+    sculler_real tilt = noise->accel_bias > 0.0 ? noise->accel_bias / g : 0.0;
     found->q = sculler_product(sculler_from_rotation_vector(error), coarse->q);
     for (size_t i = 0; i < 3u; i++) {
         for (size_t j = 0; j < 3u; j++) {
@@ -243,11 +243,11 @@ void sculler_align_refine(
     found->gyro_bias_sigma.x = sqrt(f.P.at[5][5]);
     found->gyro_bias_sigma.y = noise->gyro_bias < 0.0 ? -1.0 : sqrt(f.P.at[6][6]);
     found->gyro_bias_sigma.z = noise->gyro_bias < 0.0 ? -1.0 : sqrt(f.P.at[7][7]);
-    found->surprise = f.surprise / (2.0 * (double)window->step_count);
+    found->surprise = f.surprise / (2.0 * (sculler_real)window->step_count);
 }
 
 void sculler_take_out_bias(
-    sculler_vector gyro_bias, double interval, sculler_increments *increments)
+    sculler_vector gyro_bias, sculler_real interval, sculler_increments *increments)
 {
     sculler_vector turned = sculler_times(interval, gyro_bias);
     increments->phi = sculler_plus(increments->phi, turned, -1.0);

@@ -53,7 +53,7 @@ void sculler_integer_from_registers(
 /* An integer of one limb converts as the compiler does it, rounded to nearest.  Of a longer one the
  * 64 bits from the highest set one on are taken, and their last bit is set where any bit below them
  * is, so that the one rounding of 64 bits is that of the whole integer. */
-double sculler_integer_to_double(const uint64_t *limbs, size_t limb_count)
+sculler_real sculler_integer_to_real(const uint64_t *limbs, size_t limb_count)
 {
     if (limb_count == 1u) {
         bool below_zero = limbs[0] >> 63 != 0u;
@@ -61,7 +61,7 @@ double sculler_integer_to_double(const uint64_t *limbs, size_t limb_count)
         if (below_zero) {
             magnitude = ~magnitude + 1u;
         }
-        return below_zero ? -(double)magnitude : (double)magnitude;
+        return below_zero ? -(sculler_real)magnitude : (sculler_real)magnitude;
     }
     bool negative = limbs[limb_count - 1u] >> 63 != 0u;
     uint64_t flip = negative ? ~UINT64_C(0) : UINT64_C(0);
@@ -81,7 +81,7 @@ double sculler_integer_to_double(const uint64_t *limbs, size_t limb_count)
         lower = lower || before != 0u;
         before = limb;
     }
-    double scale = 1.0;
+    sculler_real scale = 1.0;
     if (place > 0u) {
         unsigned bits = 0, rest_bits = 64;
         while (top >> 63 == 0u) {
@@ -101,16 +101,16 @@ double sculler_integer_to_double(const uint64_t *limbs, size_t limb_count)
             scale *= 18446744073709551616.0; /* 2^64 */
         }
     }
-    double size = (double)top * scale;
+    sculler_real size = (sculler_real)top * scale;
     return negative ? -size : size;
 }
 
 /* ---- rotation compensation ------------------------------------------------------------------ */
 
 /* 1/n! - x^2/(n+2)! + x^4/(n+4)! - ..., the last term's coefficient first; for |x| < 1. */
-static double series(const double terms[10], double square)
+static sculler_real series(const sculler_real terms[10], sculler_real square)
 {
-    double sum = 0.0;
+    sculler_real sum = 0.0;
     for (int i = 0; i < 10; i++) {
         sum = terms[i] - square * sum;
     }
@@ -118,23 +118,23 @@ static double series(const double terms[10], double square)
 }
 
 /* (1 - cos x)/x^2 */
-static double one_minus_cosine(double x)
+static sculler_real one_minus_cosine(sculler_real x)
 {
-    static const double terms[10] = {
+    static const sculler_real terms[10] = {
         1.0 / 2432902008176640000.0, 1.0 / 6402373705728000.0, 1.0 / 20922789888000.0,
         1.0 / 87178291200.0, 1.0 / 479001600.0, 1.0 / 3628800.0, 1.0 / 40320.0, 1.0 / 720.0,
         1.0 / 24.0, 1.0 / 2.0};
     if (x < 1.0) {
         return series(terms, x * x);
     }
-    double half = SCULLER_PI * (x / (2.0 * SCULLER_PI)), part = sin(half) / half;
+    sculler_real half = SCULLER_PI * (x / (2.0 * SCULLER_PI)), part = sin(half) / half;
     return 0.5 * (part * part);
 }
 
 /* (1 - sin x/x)/x^2 (Savage-98 Eq. 52) */
-static double one_minus_sine(double x)
+static sculler_real one_minus_sine(sculler_real x)
 {
-    static const double terms[10] = {
+    static const sculler_real terms[10] = {
         1.0 / 51090942171709440000.0, 1.0 / 121645100408832000.0, 1.0 / 355687428096000.0,
         1.0 / 1307674368000.0, 1.0 / 6227020800.0, 1.0 / 39916800.0, 1.0 / 362880.0, 1.0 / 5040.0,
         1.0 / 120.0, 1.0 / 6.0};
@@ -142,9 +142,9 @@ static double one_minus_sine(double x)
 }
 
 /* (1/2 - (1 - cos x)/x^2)/x^2 (Savage-98 Eq. 99) */
-static double half_minus_cosine(double x)
+static sculler_real half_minus_cosine(sculler_real x)
 {
-    static const double terms[10] = {
+    static const sculler_real terms[10] = {
         1.0 / 1124000727777607680000.0, 1.0 / 2432902008176640000.0, 1.0 / 6402373705728000.0,
         1.0 / 20922789888000.0, 1.0 / 87178291200.0, 1.0 / 479001600.0, 1.0 / 3628800.0,
         1.0 / 40320.0, 1.0 / 720.0, 1.0 / 24.0};
@@ -152,7 +152,7 @@ static double half_minus_cosine(double x)
 }
 
 /* dV_rot, exact for constant rate and specific force (Savage-98 Eq. 51). */
-static sculler_vector velocity_rotation(sculler_vector alpha, sculler_vector upsilon, double angle)
+static sculler_vector velocity_rotation(sculler_vector alpha, sculler_vector upsilon, sculler_real angle)
 {
     sculler_vector first = sculler_cross(alpha, upsilon);
     sculler_vector second = sculler_cross(alpha, first);
@@ -161,7 +161,7 @@ static sculler_vector velocity_rotation(sculler_vector alpha, sculler_vector ups
 }
 
 /* Cross product over a number. */
-static sculler_vector cross_per(sculler_vector a, sculler_vector b, double divisor)
+static sculler_vector cross_per(sculler_vector a, sculler_vector b, sculler_real divisor)
 {
     return sculler_per(sculler_cross(a, b), divisor);
 }
@@ -177,7 +177,7 @@ static sculler_vector added(sculler_vector a, sculler_vector b)
 }
 
 /* b T^2 of a straight line a + b t over an interval, of its integral and double integral. */
-static sculler_vector slope_of(sculler_vector once, sculler_vector twice, double interval)
+static sculler_vector slope_of(sculler_vector once, sculler_vector twice, sculler_real interval)
 {
     return less(sculler_times(6.0, once), sculler_per(sculler_times(12.0, twice), interval));
 }
@@ -215,7 +215,7 @@ static sculler_vector position_rotation(
     sculler_vector upsilon,
     sculler_vector s_alpha,
     sculler_vector s_upsilon,
-    double angle)
+    sculler_real angle)
 {
     sculler_vector first = sculler_plus(
         sculler_cross(s_alpha, upsilon), sculler_cross(alpha, s_upsilon), 1.0);
@@ -243,7 +243,7 @@ void sculler_increments_of(
     sculler_vector coning = correction(scales, sums->coning_within, sums->coning_between);
     sculler_vector sculling = sculler_times(
         scales->sculling, correction(scales, sums->sculling_within, sums->sculling_between));
-    double angle = sqrt(sculler_dot(alpha, alpha));
+    sculler_real angle = sqrt(sculler_dot(alpha, alpha));
 
     sculler_vector dv_sf =
         sculler_plus(upsilon, velocity_rotation(alpha, upsilon, angle), 1.0);
@@ -267,7 +267,7 @@ void sculler_increments_of(
     increments->dr_sf = sculler_plus(sculler_plus(s_upsilon, turned, 1.0), scrolling, 1.0);
 }
 
-static double axis_of(sculler_vector v, unsigned axis)
+static sculler_real axis_of(sculler_vector v, unsigned axis)
 {
     return axis == 0u ? v.x : axis == 1u ? v.y : v.z;
 }
@@ -299,14 +299,14 @@ typedef struct {
 /* About the middle of the last interval, of the integrals. */
 static five slopes(const five *sums)
 {
-    static const double fit[INTERVALS][INTERVALS] = {
+    static const sculler_real fit[INTERVALS][INTERVALS] = {
         {-71.0, 364.0, -746.0, 684.0, 1689.0},
         {9.0, -50.0, 120.0, -174.0, 95.0},
         {7.0, -36.0, 74.0, -68.0, 23.0},
         {3.0, -14.0, 24.0, -18.0, 5.0},
         {1.0, -4.0, 6.0, -4.0, 1.0},
     };
-    static const double divisor[INTERVALS] = {1920.0, 48.0, 16.0, 12.0, 24.0};
+    static const sculler_real divisor[INTERVALS] = {1920.0, 48.0, 16.0, 12.0, 24.0};
     five found;
     for (unsigned k = 0; k < INTERVALS; k++) {
         sculler_vector total = sculler_times(0.0, sums->of[0]);
@@ -319,17 +319,17 @@ static five slopes(const five *sums)
 }
 
 /* The same polynomials about another middle and for another length, both in intervals. */
-static five of_part(const five *rates, double middle, double length)
+static five of_part(const five *rates, sculler_real middle, sculler_real length)
 {
-    static const double choose[INTERVALS][INTERVALS] = {
+    static const sculler_real choose[INTERVALS][INTERVALS] = {
         {1.0, 1.0, 1.0, 1.0, 1.0}, {0.0, 1.0, 2.0, 3.0, 4.0}, {0.0, 0.0, 1.0, 3.0, 6.0},
         {0.0, 0.0, 0.0, 1.0, 4.0}, {0.0, 0.0, 0.0, 0.0, 1.0},
     };
     five found;
-    double scale = 1.0;
+    sculler_real scale = 1.0;
     for (unsigned k = 0; k < INTERVALS; k++) {
         sculler_vector total = rates->of[k];
-        double power = 1.0;
+        sculler_real power = 1.0;
         for (unsigned j = k + 1u; j < INTERVALS; j++) {
             power *= middle;
             total = sculler_plus(total, rates->of[j], choose[k][j] * power);
@@ -360,7 +360,7 @@ typedef struct {
     sculler_vector alpha, small, terms;
 } half;
 
-static half half_of(const five *rates, double middle)
+static half half_of(const five *rates, sculler_real middle)
 {
     five a = of_part(rates, middle, 0.5);
     half h;
@@ -409,7 +409,7 @@ static sculler_vector of_the_first(const five *alpha, const five *rates, const f
 {
     sculler_vector total = sculler_times(0.0, alpha->of[0]);
     for (unsigned k = 0; k + 1u < INTERVALS; k++) {
-        five there = of_part(rates, (double)k - 4.0, 1.0);
+        five there = of_part(rates, (sculler_real)k - 4.0, 1.0);
         sculler_vector turn = sculler_times(forces == NULL ? 0.5 : 1.0, alpha->of[k]), lacking;
         for (unsigned between = k + 1u; between + 1u < INTERVALS; between++) {
             turn = added(turn, alpha->of[between]);
@@ -418,7 +418,7 @@ static sculler_vector of_the_first(const five *alpha, const five *rates, const f
             lacking = rotation_terms(&there);
             turn = sculler_plus(turn, alpha->of[INTERVALS - 1], 0.5);
         } else {
-            five forces_there = of_part(forces, (double)k - 4.0, 1.0);
+            five forces_there = of_part(forces, (sculler_real)k - 4.0, 1.0);
             lacking = velocity_terms(&there, &forces_there);
         }
         sculler_vector across = sculler_cross(turn, lacking);
@@ -436,7 +436,7 @@ static bool is_smooth(sculler_third_order *memory, const five *alpha)
     sculler_vector middle = less(a[3], a[2]);
     sculler_vector second = less(less(a[4], a[3]), middle);
     sculler_vector third = less(second, less(middle, less(a[2], a[1])));
-    double seconds = 0.0, thirds = 0.0;
+    sculler_real seconds = 0.0, thirds = 0.0;
     for (unsigned i = 0; i + 1u < WINDOW; i++) {
         memory->second[i] = memory->second[i + 1u];
         memory->third[i] = memory->third[i + 1u];
@@ -480,7 +480,7 @@ void sculler_third_order_correct(sculler_third_order *memory, sculler_increments
         return;
     }
     bool starts = memory->seen == INTERVALS;
-    *(smooth ? &memory->corrected : &memory->left) += starts ? INTERVALS : 1u;
+    *(smooth ? &memory->corrected : &memory->left) += starts ? (uint32_t)INTERVALS : 1u;
     if (!smooth) {
         return;
     }

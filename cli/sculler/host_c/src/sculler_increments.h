@@ -42,8 +42,9 @@ void sculler_integer_from_words(
 void sculler_integer_from_registers(
     const uint32_t *registers, size_t register_count, uint64_t *limbs, size_t limb_count);
 
-/* The double nearest to an integer of any size, ties to even. */
-double sculler_integer_to_double(const uint64_t *limbs, size_t limb_count);
+/* An integer of any size: the double nearest to it, ties to even.  Of another precision its leading
+ * bits, to that precision; it must then be below 2^127 in size. */
+sculler_real sculler_integer_to_real(const uint64_t *limbs, size_t limb_count);
 
 /* A result's integers as the nearest doubles, in counts and counts^2, sensor axes. */
 typedef struct {
@@ -54,12 +55,12 @@ typedef struct {
 
 /* What a design's integers are worth. */
 typedef struct {
-    double alpha, nu;          /* rad and m/s a count */
-    double within, between;    /* what the corrections stand over */
-    double coning, sculling;   /* rad and m/s a count^2 */
-    double s_alpha, s_nu;      /* rad s and m; scales of high-resolution position */
-    double scrolling;          /* m */
-    double interval;           /* of a result, s */
+    sculler_real alpha, nu;          /* rad and m/s a count */
+    sculler_real within, between;    /* what the corrections stand over */
+    sculler_real coning, sculling;   /* rad and m/s a count^2 */
+    sculler_real s_alpha, s_nu;      /* rad s and m; scales of high-resolution position */
+    sculler_real scrolling;          /* m */
+    sculler_real interval;           /* of a result, s */
     bool high_resolution;      /* whether there are the last three sums */
 } sculler_scales;
 
@@ -73,7 +74,7 @@ void sculler_increments_of(
 /* From sensor axes to body axes: body axis i is sensor axis from[i] (0..2) times sign[i] (+-1). */
 typedef struct {
     unsigned from[3];
-    double sign[3];
+    sculler_real sign[3];
 } sculler_axes;
 
 void sculler_in_axes(const sculler_axes *axes, sculler_increments *increments);
@@ -83,11 +84,11 @@ void sculler_in_axes(const sculler_axes *axes, sculler_increments *increments);
  * short history.  Begin it with the first interval that is navigated with: what the first four lack
  * is added to the fifth. */
 typedef struct {
-    sculler_vector turns[4];      /* integrals of the rate, rad, the oldest first */
-    sculler_vector velocities[4]; /* of the specific force, body axes, m/s */
-    double second[10], third[10]; /* squares of differences of the last intervals' turns */
+    sculler_vector turns[4];            /* integrals of the rate, rad, the oldest first */
+    sculler_vector velocities[4];       /* of the specific force, body axes, m/s */
+    sculler_real second[10], third[10]; /* squares of differences of the last intervals' turns */
     uint32_t seen;
-    uint32_t corrected, left; /* how many intervals were corrected, and left as they are */
+    uint32_t corrected, left;           /* how many intervals were corrected, and left as they are */
 } sculler_third_order;
 
 void sculler_third_order_begin(sculler_third_order *memory);

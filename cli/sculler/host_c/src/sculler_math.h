@@ -15,7 +15,11 @@
 #ifndef SCULLER_MATH_H
 #define SCULLER_MATH_H
 
+#if defined(SCULLER_SINGLE)
+#include <tgmath.h> /* the same names, of floats */
+#else
 #include <math.h>
+#endif
 
 #include "sculler_nav.h"
 
@@ -39,7 +43,7 @@ static inline sculler_vector sculler_nothing(void)
 }
 
 /* a + factor b */
-static inline sculler_vector sculler_plus(sculler_vector a, sculler_vector b, double factor)
+static inline sculler_vector sculler_plus(sculler_vector a, sculler_vector b, sculler_real factor)
 {
     sculler_vector sum;
     sum.x = a.x + factor * b.x;
@@ -48,7 +52,7 @@ static inline sculler_vector sculler_plus(sculler_vector a, sculler_vector b, do
     return sum;
 }
 
-static inline sculler_vector sculler_times(double factor, sculler_vector a)
+static inline sculler_vector sculler_times(sculler_real factor, sculler_vector a)
 {
     sculler_vector product;
     product.x = factor * a.x;
@@ -57,7 +61,7 @@ static inline sculler_vector sculler_times(double factor, sculler_vector a)
     return product;
 }
 
-static inline sculler_vector sculler_per(sculler_vector a, double divisor)
+static inline sculler_vector sculler_per(sculler_vector a, sculler_real divisor)
 {
     sculler_vector quotient;
     quotient.x = a.x / divisor;
@@ -66,7 +70,7 @@ static inline sculler_vector sculler_per(sculler_vector a, double divisor)
     return quotient;
 }
 
-static inline double sculler_dot(sculler_vector a, sculler_vector b)
+static inline sculler_real sculler_dot(sculler_vector a, sculler_vector b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
@@ -117,7 +121,7 @@ static inline sculler_vector sculler_rotate(sculler_quaternion q, sculler_vector
 /* q brought back to length 1 from a rounding error away: 1 + e becomes 1 - 3/2 e^2. */
 static inline sculler_quaternion sculler_normalised(sculler_quaternion q)
 {
-    double scale = 1.5 - 0.5 * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    sculler_real scale = 1.5 - 0.5 * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
     q.w = q.w * scale;
     q.x = q.x * scale;
     q.y = q.y * scale;
@@ -126,7 +130,7 @@ static inline sculler_quaternion sculler_normalised(sculler_quaternion q)
 }
 
 /* A turn about z, rad. */
-static inline sculler_quaternion sculler_about_z(double angle)
+static inline sculler_quaternion sculler_about_z(sculler_real angle)
 {
     sculler_quaternion q = {cos(0.5 * angle), 0.0, 0.0, sin(0.5 * angle)};
     return q;
@@ -135,14 +139,14 @@ static inline sculler_quaternion sculler_about_z(double angle)
 /* Quaternion of a rotation vector (rad) of any size, exact (Savage-20 Eq. 1). */
 static inline sculler_quaternion sculler_from_rotation_vector(sculler_vector phi)
 {
-    double square = phi.x * phi.x + phi.y * phi.y + phi.z * phi.z;
-    double half_sinc;
+    sculler_real square = phi.x * phi.x + phi.y * phi.y + phi.z * phi.z;
+    sculler_real half_sinc;
     sculler_quaternion q;
     if (square < 1e-4) { /* by series, the next terms are below 3e-17 */
         half_sinc = 0.5 - square * (1.0 / 48.0 - square * (1.0 / 3840.0));
         q.w = 1.0 - square * (1.0 / 8.0 - square * (1.0 / 384.0));
     } else {
-        double angle = sqrt(square);
+        sculler_real angle = sqrt(square);
         half_sinc = sin(0.5 * angle) / angle;
         q.w = cos(0.5 * angle);
     }

@@ -11,9 +11,9 @@
 
 /* ---- the Earth ------------------------------------------------------------------------------ */
 
-void sculler_radii(double sin_lat, double *meridian, double *prime_vertical)
+void sculler_radii(sculler_real sin_lat, sculler_real *meridian, sculler_real *prime_vertical)
 {
-    double squash = 1.0 - SCULLER_ECCENTRICITY_SQUARED * sin_lat * sin_lat;
+    sculler_real squash = 1.0 - SCULLER_ECCENTRICITY_SQUARED * sin_lat * sin_lat;
     *prime_vertical = SCULLER_SEMI_MAJOR_AXIS / sqrt(squash);
     *meridian = *prime_vertical * ((1.0 - SCULLER_ECCENTRICITY_SQUARED) / squash);
 }
@@ -21,44 +21,44 @@ void sculler_radii(double sin_lat, double *meridian, double *prime_vertical)
 /* Normal gravity of WGS-84 at any height, by its closed form: the gradient of the potential of the
  * level ellipsoid that turns (Heiskanen and Moritz, Physical Geodesy, Eq. 2-126 to 2-130), with
  * their q' and q less the leading power of E/u as series in x = E^2/u^2. */
-static double normal_gravity(double sin_lat, double height, double *lean)
+static sculler_real normal_gravity(sculler_real sin_lat, sculler_real height, sculler_real *lean)
 {
-    const double focus_squared =
+    const sculler_real focus_squared =
         SCULLER_ECCENTRICITY_SQUARED * (SCULLER_SEMI_MAJOR_AXIS * SCULLER_SEMI_MAJOR_AXIS);
-    const double rotation_k = 4.191445418836073e+26; /* w^2 a^2 E^3 / q_0, m^5/s^2 */
-    const double rate_squared = SCULLER_EARTH_RATE * SCULLER_EARTH_RATE;
+    const sculler_real rotation_k = 4.191445418836073e+26; /* w^2 a^2 E^3 / q_0, m^5/s^2 */
+    const sculler_real rate_squared = SCULLER_EARTH_RATE * SCULLER_EARTH_RATE;
 
-    double squash = 1.0 - SCULLER_ECCENTRICITY_SQUARED * sin_lat * sin_lat;
-    double prime_vertical = SCULLER_SEMI_MAJOR_AXIS / sqrt(squash);
-    double bulge = SCULLER_ECCENTRICITY_SQUARED * prime_vertical * sin_lat;
-    double out = prime_vertical + height; /* X = out n - bulge k, n the ellipsoid's normal */
-    double z = out * sin_lat - bulge;
-    double z_squared = z * z;
-    double inner = out * (out - 2.0 * bulge * sin_lat) + bulge * bulge - focus_squared;
-    double L = sqrt(inner * inner + 4.0 * focus_squared * z_squared);
-    double per_u2 = 2.0 / (inner + L);
-    double x = focus_squared * per_u2;
-    double sin2_beta = z_squared * per_u2;
-    double s_p =
+    sculler_real squash = 1.0 - SCULLER_ECCENTRICITY_SQUARED * sin_lat * sin_lat;
+    sculler_real prime_vertical = SCULLER_SEMI_MAJOR_AXIS / sqrt(squash);
+    sculler_real bulge = SCULLER_ECCENTRICITY_SQUARED * prime_vertical * sin_lat;
+    sculler_real out = prime_vertical + height; /* X = out n - bulge k, n the ellipsoid's normal */
+    sculler_real z = out * sin_lat - bulge;
+    sculler_real z_squared = z * z;
+    sculler_real inner = out * (out - 2.0 * bulge * sin_lat) + bulge * bulge - focus_squared;
+    sculler_real L = sqrt(inner * inner + 4.0 * focus_squared * z_squared);
+    sculler_real per_u2 = 2.0 / (inner + L);
+    sculler_real x = focus_squared * per_u2;
+    sculler_real sin2_beta = z_squared * per_u2;
+    sculler_real s_p =
         2.0 / 5.0
         - x * (6.0 / 35.0
                - x * (2.0 / 21.0 - x * (2.0 / 33.0 - x * (6.0 / 143.0 - x * (2.0 / 65.0)))));
-    double s_q =
+    sculler_real s_q =
         2.0 / 15.0
         - x * (4.0 / 35.0
                - x * (2.0 / 21.0 - x * (8.0 / 99.0 - x * (10.0 / 143.0 - x * (4.0 / 65.0)))));
-    double B = SCULLER_GM + rotation_k * per_u2 * s_p * (0.5 * sin2_beta - 1.0 / 6.0);
-    double C = rotation_k * per_u2 * s_q * (1.0 + x);
-    double scale = sqrt(per_u2) / (L * (1.0 + x));
-    double P = rate_squared - (B + C * sin2_beta) * scale; /* with the centrifugal force */
-    double along_axis = -rate_squared * z - (B * x - C) * scale * z;
+    sculler_real B = SCULLER_GM + rotation_k * per_u2 * s_p * (0.5 * sin2_beta - 1.0 / 6.0);
+    sculler_real C = rotation_k * per_u2 * s_q * (1.0 + x);
+    sculler_real scale = sqrt(per_u2) / (L * (1.0 + x));
+    sculler_real P = rate_squared - (B + C * sin2_beta) * scale; /* with the centrifugal force */
+    sculler_real along_axis = -rate_squared * z - (B * x - C) * scale * z;
     *lean = along_axis - P * bulge;
     return -(P * out + *lean * sin_lat);
 }
 
 /* The points of an axis on either side of a value; returns the part of the step to it. */
-static double between_points(
-    const double *axis, size_t count, double value, size_t *low, size_t *high)
+static sculler_real between_points(
+    const double *axis, size_t count, sculler_real value, size_t *low, size_t *high)
 {
     *low = 0;
     *high = 0;
@@ -68,52 +68,56 @@ static double between_points(
     *high = count - 1u;
     while (*high - *low > 1u) {
         size_t middle = (*low + *high) / 2u;
-        if (axis[middle] <= value) {
+        if ((sculler_real)axis[middle] <= value) {
             *low = middle;
         } else {
             *high = middle;
         }
     }
-    return (value - axis[*low]) / (axis[*high] - axis[*low]);
+    sculler_real start = (sculler_real)axis[*low];
+    return (value - start) / ((sculler_real)axis[*high] - start);
 }
 
 /* What a table has more than normal gravity at a latitude (degrees) and height (m). */
-static double excess(const sculler_gravity_table *table, double lat, double height)
+static sculler_real excess(const sculler_gravity_table *table, sculler_real lat, sculler_real height)
 {
     size_t i, k, j, m, columns = table->height_count;
-    double right = between_points(table->lats, table->lat_count, lat, &i, &k);
-    double above = between_points(table->heights, columns, height, &j, &m);
+    sculler_real right = between_points(table->lats, table->lat_count, lat, &i, &k);
+    sculler_real above = between_points(table->heights, columns, height, &j, &m);
     const double *left_row = table->excess + i * columns;
     const double *right_row = table->excess + k * columns;
-    double low = left_row[j] + right * (right_row[j] - left_row[j]);
-    double high = left_row[m] + right * (right_row[m] - left_row[m]);
+    sculler_real left_low = (sculler_real)left_row[j], left_high = (sculler_real)left_row[m];
+    sculler_real low = left_low + right * ((sculler_real)right_row[j] - left_low);
+    sculler_real high = left_high + right * ((sculler_real)right_row[m] - left_high);
     return low + above * (high - low);
 }
 
-double sculler_gravity_at(const sculler_gravity *model, double sin_lat, double height, double *lean)
+sculler_real sculler_gravity_at(const sculler_gravity *model, sculler_real sin_lat, sculler_real height, sculler_real *lean)
 {
     if (model->is_constant) {
         *lean = 0.0;
         return model->value;
     }
-    double down = normal_gravity(sin_lat, height, lean);
+    sculler_real down = normal_gravity(sin_lat, height, lean);
     if (model->table != NULL) {
-        double sine = sin_lat < -1.0 ? -1.0 : sin_lat > 1.0 ? 1.0 : sin_lat;
+        sculler_real sine = sin_lat < -1.0 ? -1.0 : sin_lat > 1.0 ? 1.0 : sin_lat;
         down += excess(model->table, asin(sine) * DEGREES, height);
     }
     return down;
 }
 
-static bool axis_holds(const double *axis, size_t count, double value)
+static bool axis_holds(const double *axis, size_t count, sculler_real value)
 {
     /* a start on the very edge is not refused for rounding */
-    double size = fabs(value);
-    double slack = 1e-9 * (size > 1.0 ? size : 1.0);
-    return count < 2u || (axis[0] - slack <= value && value <= axis[count - 1u] + slack);
+    sculler_real size = fabs(value);
+    sculler_real slack = 1e-9 * (size > 1.0 ? size : 1.0);
+    return count < 2u
+           || ((sculler_real)axis[0] - slack <= value
+               && value <= (sculler_real)axis[count - 1u] + slack);
 }
 
 /* Whether a model of gravity holds at a latitude (rad) and height (m). */
-static bool covers(const sculler_gravity *model, double lat, double height)
+static bool covers(const sculler_gravity *model, sculler_real lat, sculler_real height)
 {
     const sculler_gravity_table *table = model->table;
     if (!(MIN_HEIGHT <= height && height <= MAX_HEIGHT)) {
@@ -129,15 +133,15 @@ static bool covers(const sculler_gravity *model, double lat, double height)
  * The polar axis P in w is the third row of C_ew.  The principal curvatures differ by
  * kappa cos^2 lat, so turned into w they are 1/(R_N + h) + kappa P P^T: regular at the poles, and
  * so is gravity's horizontal part, which goes with cos lat as well. */
-static sculler_earth earth_at(sculler_quaternion place, double h, const sculler_gravity *model)
+static sculler_earth earth_at(sculler_quaternion place, sculler_real h, const sculler_gravity *model)
 {
     sculler_vector polar = sculler_third_row(place);
-    double meridian, prime_vertical, leaning;
+    sculler_real meridian, prime_vertical, leaning;
     sculler_radii(polar.z, &meridian, &prime_vertical);
-    double across = 1.0 / (prime_vertical + h);
-    double kappa = SCULLER_ECCENTRICITY_SQUARED / (1.0 - SCULLER_ECCENTRICITY_SQUARED) * across
+    sculler_real across = 1.0 / (prime_vertical + h);
+    sculler_real kappa = SCULLER_ECCENTRICITY_SQUARED / (1.0 - SCULLER_ECCENTRICITY_SQUARED) * across
                    * meridian / (meridian + h);
-    double down = sculler_gravity_at(model, -polar.z, h, &leaning);
+    sculler_real down = sculler_gravity_at(model, -polar.z, h, &leaning);
     sculler_earth earth;
     earth.rate = sculler_times(SCULLER_EARTH_RATE, polar);
     earth.curvature.x = across + kappa * polar.x * polar.x;
@@ -150,7 +154,7 @@ static sculler_earth earth_at(sculler_quaternion place, double h, const sculler_
 }
 
 /* A part of the way (1: all of it) from a to b, on the straight line. */
-static sculler_earth between(const sculler_earth *a, const sculler_earth *b, double part)
+static sculler_earth between(const sculler_earth *a, const sculler_earth *b, sculler_real part)
 {
     sculler_earth found;
     found.rate = sculler_plus(a->rate, sculler_plus(b->rate, a->rate, -1.0), part);
@@ -174,26 +178,26 @@ static sculler_vector travelled(sculler_vector curvature, sculler_vector moved)
 /* ---- geographic terms ----------------------------------------------------------------------- */
 
 /* q_ew of latitude, longitude and wander angle (rad): C_en = R_z(lon) R_y(-90 deg - lat). */
-static sculler_quaternion place_at(double lat, double lon, double wander)
+static sculler_quaternion place_at(sculler_real lat, sculler_real lon, sculler_real wander)
 {
-    double theta = -0.5 * SCULLER_PI - lat;
+    sculler_real theta = -0.5 * SCULLER_PI - lat;
     sculler_quaternion to_earth = {cos(0.5 * theta), 0.0, sin(0.5 * theta), 0.0};
     sculler_quaternion turned = sculler_product(to_earth, sculler_about_z(wander));
     return sculler_normalised(sculler_product(sculler_about_z(lon), turned));
 }
 
 /* atan2(sine, cosine) of a cosine and a sine of one angle (rad). */
-static double angle_of(double cosine, double sine)
+static sculler_real angle_of(sculler_real cosine, sculler_real sine)
 {
     if (fabs(sine) >= fabs(cosine)) {
         return copysign(0.5 * SCULLER_PI - asin(cosine), sine);
     }
-    double small = asin(sine);
+    sculler_real small = asin(sine);
     return cosine > 0.0 ? small : copysign(SCULLER_PI, sine) - small;
 }
 
 /* q_ew and height (m) at the end of the last interval (Savage-98 Eq. 64, 68, 70). */
-static sculler_quaternion position(const sculler_nav *nav, double *h)
+static sculler_quaternion position(const sculler_nav *nav, sculler_real *h)
 {
     if (nav->since == 0u) {
         *h = nav->h;
@@ -208,24 +212,24 @@ static sculler_quaternion position(const sculler_nav *nav, double *h)
 static void geographic(
     sculler_quaternion q, sculler_vector v, sculler_quaternion place, sculler_state *state)
 {
-    double w = place.w, x = place.x, y = place.y, z = place.z;
-    double xz = 2.0 * (x * z + w * y), yz = 2.0 * (y * z - w * x);
+    sculler_real w = place.w, x = place.x, y = place.y, z = place.z;
+    sculler_real xz = 2.0 * (x * z + w * y), yz = 2.0 * (y * z - w * x);
     sculler_vector polar = sculler_third_row(place);
-    double cos_lat = sqrt(xz * xz + yz * yz); /* the third column of C_ew is down */
+    sculler_real cos_lat = sqrt(xz * xz + yz * yz); /* the third column of C_ew is down */
     state->lat = angle_of(cos_lat, -polar.z);
     if (cos_lat <= AT_POLE) { /* north is the frame's x axis */
-        double xx = 1.0 - 2.0 * (y * y + z * z), yx = 2.0 * (x * y + w * z);
+        sculler_real xx = 1.0 - 2.0 * (y * y + z * z), yx = 2.0 * (x * y + w * z);
         state->lon = state->lat > 0.0 ? atan2(-yx, -xx) : atan2(yx, xx);
         state->q = q;
         state->v = v;
         state->wander = 0.0;
         return;
     }
-    double per = 1.0 / cos_lat;
+    sculler_real per = 1.0 / cos_lat;
     state->lon = angle_of(-per * xz, -per * yz);
     /* the polar axis in w is (cos lat cos a, -cos lat sin a, -sin lat) */
-    double c = per * polar.x, s = -per * polar.y;
-    double half_c, half_s;
+    sculler_real c = per * polar.x, s = -per * polar.y;
+    sculler_real half_c, half_s;
     state->wander = angle_of(c, s);
     if (c > 0.0) { /* of a/2 the larger one of cosine and sine by the square root */
         half_c = sqrt(0.5 + 0.5 * c);
@@ -247,10 +251,10 @@ void sculler_nav_state(const sculler_nav *nav, sculler_state *state)
 {
     sculler_quaternion place = position(nav, &state->h);
     geographic(nav->q, nav->v, place, state);
-    state->time = nav->start + (double)nav->updates * nav->settings.interval;
+    state->time = nav->start + (sculler_real)nav->updates * nav->settings.interval;
 }
 
-void sculler_nav_set_time(sculler_nav *nav, double time)
+void sculler_nav_set_time(sculler_nav *nav, sculler_real time)
 {
     nav->start = time;
     nav->updates = 0;
@@ -258,10 +262,10 @@ void sculler_nav_set_time(sculler_nav *nav, double time)
 
 sculler_vector sculler_euler(sculler_quaternion q)
 {
-    double w = q.w, x = q.x, y = q.y, z = q.z;
-    double sin_pitch = 2.0 * (w * y - x * z);
-    double forward_n = 1.0 - 2.0 * (y * y + z * z), forward_e = 2.0 * (x * y + w * z);
-    double cos_pitch = sqrt(forward_n * forward_n + forward_e * forward_e);
+    sculler_real w = q.w, x = q.x, y = q.y, z = q.z;
+    sculler_real sin_pitch = 2.0 * (w * y - x * z);
+    sculler_real forward_n = 1.0 - 2.0 * (y * y + z * z), forward_e = 2.0 * (x * y + w * z);
+    sculler_real cos_pitch = sqrt(forward_n * forward_n + forward_e * forward_e);
     sculler_vector angles;
     if (cos_pitch < 1e-9) {
         angles.x = 0.0;
@@ -275,11 +279,11 @@ sculler_vector sculler_euler(sculler_quaternion q)
     return angles;
 }
 
-void sculler_coast(sculler_state *state, double seconds)
+void sculler_coast(sculler_state *state, sculler_real seconds)
 {
     sculler_quaternion to_level = sculler_about_z(-state->wander);
     sculler_quaternion place = place_at(state->lat, state->lon, state->wander);
-    double meridian, prime_vertical;
+    sculler_real meridian, prime_vertical;
     sculler_radii(sin(state->lat), &meridian, &prime_vertical);
     sculler_vector turn;
     turn.x = seconds * state->v.y / (prime_vertical + state->h);
@@ -298,7 +302,7 @@ void sculler_coast(sculler_state *state, double seconds)
 
 /* zeta (rad) over an interval at velocity v; gets gravity with Coriolis (m/s) (Eq. 7, 17). */
 static sculler_vector turned_and_pulled(
-    const sculler_earth *there, sculler_vector v, double T, sculler_vector *dv_g_cor)
+    const sculler_earth *there, sculler_vector v, sculler_real T, sculler_vector *dv_g_cor)
 {
     sculler_vector w_en = travelled(there->curvature, v);
     sculler_vector coriolis = sculler_cross(sculler_plus(w_en, there->rate, 2.0), v);
@@ -316,11 +320,11 @@ static sculler_vector turned_and_pulled(
 static sculler_vector carried(
     const sculler_nav *nav,
     const sculler_earth *mid,
-    double damped_down,
+    sculler_real damped_down,
     const sculler_increments *increments,
     sculler_vector *moved)
 {
-    double T = nav->settings.interval;
+    sculler_real T = nav->settings.interval;
     sculler_vector damped = {0.0, 0.0, damped_down};
     sculler_vector v_mid =
         sculler_plus(nav->v, sculler_plus(nav->v, nav->v_past, -1.0), 0.5);
@@ -354,16 +358,16 @@ static sculler_vector carried(
 static void step(sculler_nav *nav, const sculler_increments *increments)
 {
     const sculler_damping *loop = &nav->settings.damping;
-    double T = nav->settings.interval, j = (double)nav->settings.position_every;
+    sculler_real T = nav->settings.interval, j = (sculler_real)nav->settings.position_every;
 
     /* the middle of the interval, by extrapolation (Savage-98 Eq. 8, 9, 19) */
-    sculler_earth mid = between(&nav->earth, &nav->past, -((double)nav->since + 0.5) / j);
-    double too_high = 0.0; /* against the height that the navigator had when it was measured */
+    sculler_earth mid = between(&nav->earth, &nav->past, -((sculler_real)nav->since + 0.5) / j);
+    sculler_real too_high = 0.0; /* against the height that the navigator had when it was measured */
     if (nav->age >= 0.0) {
         too_high = nav->h + nav->climb - nav->reference + nav->v.z * nav->age;
     }
-    double offset = nav->offset + T * loop->k3 * too_high;
-    double damped = T * (loop->k2 * too_high + offset);
+    sculler_real offset = nav->offset + T * loop->k3 * too_high;
+    sculler_real damped = T * (loop->k2 * too_high + offset);
     sculler_vector moved;
     sculler_vector v = carried(nav, &mid, damped, increments, &moved);
 
@@ -384,7 +388,7 @@ static void step(sculler_nav *nav, const sculler_increments *increments)
     nav->since += 1u;
 
     if (nav->since >= nav->settings.position_every) {
-        double h;
+        sculler_real h;
         nav->place = position(nav, &h);
         nav->h = h;
         nav->past = nav->earth;
@@ -400,17 +404,17 @@ static void see_to_the_past(sculler_nav *nav, const sculler_increments *incremen
 {
     sculler_nav after = *nav;
     step(&after, increments);
-    double h;
+    sculler_real h;
     sculler_quaternion place = position(&after, &h);
     sculler_earth there = earth_at(place, h, &nav->settings.gravity);
     nav->v_past =
         sculler_plus(nav->v, sculler_plus(nav->v, after.v, -1.0), 1.0);
-    nav->past = between(&nav->earth, &there, -(double)nav->settings.position_every);
+    nav->past = between(&nav->earth, &there, -(sculler_real)nav->settings.position_every);
 }
 
 /* ---- the navigator -------------------------------------------------------------------------- */
 
-sculler_settings sculler_defaults(double interval)
+sculler_settings sculler_defaults(sculler_real interval)
 {
     sculler_settings settings;
     settings.interval = interval;
@@ -427,10 +431,10 @@ sculler_settings sculler_defaults(double interval)
     return settings;
 }
 
-sculler_damping sculler_height_damping(double reference, double seconds)
+sculler_damping sculler_height_damping(sculler_real reference, sculler_real seconds)
 {
-    double rate = 1.0 / seconds, lean;
-    double instability = 2.0 * normal_gravity(0.0, 0.0, &lean) / SCULLER_SEMI_MAJOR_AXIS;
+    sculler_real rate = 1.0 / seconds, lean;
+    sculler_real instability = 2.0 * normal_gravity(0.0, 0.0, &lean) / SCULLER_SEMI_MAJOR_AXIS;
     sculler_damping damping;
     damping.k1 = 3.0 * rate;
     damping.k2 = 3.0 * (rate * rate) + instability;
@@ -443,8 +447,8 @@ sculler_damping sculler_height_damping(double reference, double seconds)
 
 static bool is_state(const sculler_state *s)
 {
-    double sum = s->time + s->v.x + s->v.y + s->v.z + s->lat + s->lon + s->h + s->wander;
-    double length = sqrt(s->q.w * s->q.w + s->q.x * s->q.x + s->q.y * s->q.y + s->q.z * s->q.z);
+    sculler_real sum = s->time + s->v.x + s->v.y + s->v.z + s->lat + s->lon + s->h + s->wander;
+    sculler_real length = sqrt(s->q.w * s->q.w + s->q.x * s->q.x + s->q.y * s->q.y + s->q.z * s->q.z);
     return isfinite(sum) && fabs(s->lat) <= 0.5 * SCULLER_PI && fabs(s->lon) <= SCULLER_PI
            && fabs(s->wander) <= SCULLER_PI && MIN_HEIGHT <= s->h && s->h <= MAX_HEIGHT
            && fabs(length - 1.0) <= 1e-6;
@@ -501,14 +505,14 @@ sculler_error sculler_nav_begin(
 }
 
 /* A height that is too old is none. */
-static void hold_to(sculler_nav *nav, double height, double age)
+static void hold_to(sculler_nav *nav, sculler_real height, sculler_real age)
 {
     bool fresh = age >= 0.0 && age <= nav->settings.damping.hold;
     nav->reference = fresh ? height : 0.0;
     nav->age = fresh ? age : -1.0;
 }
 
-sculler_error sculler_nav_hold_height(sculler_nav *nav, double height, double age)
+sculler_error sculler_nav_hold_height(sculler_nav *nav, sculler_real height, sculler_real age)
 {
     if (!is_damped(&nav->settings.damping) || !isfinite(age)
         || !(MIN_HEIGHT <= height && height <= MAX_HEIGHT)) {
@@ -519,14 +523,14 @@ sculler_error sculler_nav_hold_height(sculler_nav *nav, double height, double ag
     return SCULLER_OK;
 }
 
-static double sum_of(sculler_vector v)
+static sculler_real sum_of(sculler_vector v)
 {
     return v.x + v.y + v.z;
 }
 
 sculler_error sculler_nav_update(sculler_nav *nav, const sculler_increments *increments)
 {
-    double sum = sum_of(increments->phi) + sum_of(increments->dv_sf);
+    sculler_real sum = sum_of(increments->phi) + sum_of(increments->dv_sf);
     if (increments->displaced) {
         sum += sum_of(increments->dr_sf);
     }
@@ -543,7 +547,7 @@ sculler_error sculler_nav_update(sculler_nav *nav, const sculler_increments *inc
         hold_to(nav, nav->reference, nav->age + nav->settings.interval);
     }
 
-    double lat = 0.0, h = nav->since == 0u ? nav->h : nav->h + nav->climb;
+    sculler_real lat = 0.0, h = nav->since == 0u ? nav->h : nav->h + nav->climb;
     if (nav->settings.gravity.table != NULL) { /* only a table asks for the latitude */
         sculler_state state;
         sculler_nav_state(nav, &state);

@@ -1,4 +1,4 @@
-/* The host's navigation in double precision: wander azimuth over WGS-84.
+/* The host's navigation: wander azimuth over WGS-84, in double precision or what sculler_real.h says.
  *
  * Freestanding C99: no allocation, no global state, nothing of the C library but the functions of
  * <math.h> that sculler_math.h lists.  Every object is the caller's; any number of navigators may
@@ -27,6 +27,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "sculler_real.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -46,12 +48,12 @@ typedef enum {
 } sculler_error;
 
 typedef struct {
-    double x, y, z;
+    sculler_real x, y, z;
 } sculler_vector;
 
 /* w is the scalar part; of length 1. */
 typedef struct {
-    double w, x, y, z;
+    sculler_real w, x, y, z;
 } sculler_quaternion;
 
 /* What a major interval brings, in body axes. */
@@ -66,15 +68,15 @@ typedef struct {
 
 /* Where the body is at one instant. */
 typedef struct {
-    double time;          /* s */
+    sculler_real time;          /* s */
     sculler_quaternion q; /* q_nb, body to north-east-down */
     sculler_vector v;     /* velocity over the Earth, north, east, down, m/s */
-    double lat, lon;      /* geodetic, rad; lon in -pi..pi */
-    double h;             /* height above the ellipsoid, m */
-    double wander;        /* wander angle, from north to the x axis of w, towards east, rad */
+    sculler_real lat, lon;      /* geodetic, rad; lon in -pi..pi */
+    sculler_real h;             /* height above the ellipsoid, m */
+    sculler_real wander;        /* wander angle, from north to the x axis of w, towards east, rad */
 } sculler_state;
 
-/* A table of gravity: what its points have more than normal gravity. */
+/* A table of gravity, in doubles: what its points have more than normal gravity. */
 typedef struct {
     const double *lats;    /* degrees, rising; a single one stands for all latitudes */
     const double *heights; /* m, rising; a single one stands for all heights */
@@ -85,23 +87,23 @@ typedef struct {
 /* A model of plumb-bob gravity over the turning Earth. */
 typedef struct {
     bool is_constant;                   /* `value` everywhere, square to the ellipsoid */
-    double value;                       /* m/s^2 */
+    sculler_real value;                       /* m/s^2 */
     const sculler_gravity_table *table; /* added to the normal field of WGS-84; null for nothing */
 } sculler_gravity;
 
 /* Gains of the loop that holds the unstable vertical channel to a known height; all 0 for none. */
 typedef struct {
-    double k1;        /* 1/s */
-    double k2;        /* 1/s^2 */
-    double k3;        /* 1/s^3 */
-    double reference; /* height above the ellipsoid, m, as long as no other is measured */
-    double hold;      /* s, the age at which a measured height is held to no longer */
+    sculler_real k1;        /* 1/s */
+    sculler_real k2;        /* 1/s^2 */
+    sculler_real k3;        /* 1/s^3 */
+    sculler_real reference; /* height above the ellipsoid, m, as long as no other is measured */
+    sculler_real hold;      /* s, the age at which a measured height is held to no longer */
     bool waits;       /* until a height is measured the loop rests, and does not look at reference */
 } sculler_damping;
 
 /* What does not change from interval to interval. */
 typedef struct {
-    double interval;         /* length of a major interval, s, > 0 */
+    sculler_real interval;         /* length of a major interval, s, > 0 */
     uint32_t position_every; /* j >= 1: position, gravity, Earth rate and curvature are worked out
                                 every j-th interval and extrapolated in between */
     sculler_damping damping;
@@ -121,28 +123,28 @@ typedef struct {
     sculler_quaternion q;      /* q_wb at the end of the last interval */
     sculler_vector v, v_past;  /* in w, m/s; and one interval before */
     sculler_quaternion place;  /* q_ew at the last position update */
-    double h;                  /* there, m */
+    sculler_real h;                  /* there, m */
     sculler_earth earth, past; /* there; and one position update before */
     uint32_t since;            /* major intervals since the last position update */
     sculler_vector travel;     /* rotation vector of w over the Earth since then, rad */
-    double climb;              /* since then, m */
-    double offset;             /* integral of the height loop, m/s^2 */
-    double reference;          /* height to hold to, m */
-    double age;                /* how old it is at the next interval's start, s; below 0: none */
+    sculler_real climb;              /* since then, m */
+    sculler_real offset;             /* integral of the height loop, m/s^2 */
+    sculler_real reference;          /* height to hold to, m */
+    sculler_real age;                /* how old it is at the next interval's start, s; below 0: none */
     bool measured;             /* whether it is one that ages */
-    double start;              /* time from which the intervals count, s */
+    sculler_real start;              /* time from which the intervals count, s */
     uint64_t updates;          /* since then */
     bool begun;                /* whether there was an update */
 } sculler_nav;
 
 /* Settings for intervals of this length (s): position every interval, normal gravity, no damping. */
-sculler_settings sculler_defaults(double interval);
+sculler_settings sculler_defaults(sculler_real interval);
 
 /* Gains that put all three poles of the height loop at -1/seconds.
  *
  * reference: m; seconds: many major intervals long, usually a minute or more.  A measured height is
  * held to for 10 s. */
-sculler_damping sculler_height_damping(double reference, double seconds);
+sculler_damping sculler_height_damping(sculler_real reference, sculler_real seconds);
 
 /* Begin at a state.
  *
@@ -172,7 +174,7 @@ sculler_error sculler_nav_update(sculler_nav *nav, const sculler_increments *inc
  * Each update makes it an interval older; from settings.damping.hold on, or where there is none, the
  * loop rests.  SCULLER_BAD_SETTING: a number is not finite, the height outside -10 km..1000 km, or
  * there is no damping; nothing is done then. */
-sculler_error sculler_nav_hold_height(sculler_nav *nav, double height, double age);
+sculler_error sculler_nav_hold_height(sculler_nav *nav, sculler_real height, sculler_real age);
 
 /* The state at the end of the last major interval.
  *
@@ -181,22 +183,22 @@ sculler_error sculler_nav_hold_height(sculler_nav *nav, double height, double ag
 void sculler_nav_state(const sculler_nav *nav, sculler_state *state);
 
 /* Say the instant (s) of the end of the last interval, from which the next ones count. */
-void sculler_nav_set_time(sculler_nav *nav, double time);
+void sculler_nav_set_time(sculler_nav *nav, sculler_real time);
 
 /* Over a break in the data: the state so many seconds later if attitude and velocity stay as they
  * are.  Begin anew from it. */
-void sculler_coast(sculler_state *state, double seconds);
+void sculler_coast(sculler_state *state, sculler_real seconds);
 
 /* Plumb-bob gravity of a model.
  *
  * sin_lat: sine of geodetic latitude; height: m.
  * lean:    gets gravity's horizontal part over the horizontal part of the polar axis, m/s^2.
  * Returns its part down, m/s^2. */
-double sculler_gravity_at(
-    const sculler_gravity *model, double sin_lat, double height, double *lean);
+sculler_real sculler_gravity_at(
+    const sculler_gravity *model, sculler_real sin_lat, sculler_real height, sculler_real *lean);
 
 /* Radii of curvature on the ellipsoid (m) at a sine of latitude. */
-void sculler_radii(double sin_lat, double *meridian, double *prime_vertical);
+void sculler_radii(sculler_real sin_lat, sculler_real *meridian, sculler_real *prime_vertical);
 
 /* Roll, pitch, heading (rad) of q_nb, as x, y, z: roll and heading in -pi..pi.  At a pitch of +-90
  * degrees roll is given as 0. */

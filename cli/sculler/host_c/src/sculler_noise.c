@@ -16,16 +16,22 @@
 #define FEWER 40
 #define POINTS 16u
 #define LAST_POINT 15.0
-#define NOTHING 1e-40 /* rad^2, of a series without any noise */
+#if defined(SCULLER_SINGLE) || defined(SCULLER_DOUBLE_SINGLE)
+#define NOTHING 1e-30 /* rad^2, of a series without any noise */
+#define LEAST 1e-35   /* to divide by */
+#else
+#define NOTHING 1e-40
+#define LEAST 1e-300
+#endif
 
 typedef struct {
-    double variance[3]; /* of walk, white, blue */
+    sculler_real variance[3]; /* of walk, white, blue */
 } variances;
 
 /* The power of a series in a mode. */
-static double power_of(const double *mode, const double *series, size_t count)
+static sculler_real power_of(const sculler_real *mode, const sculler_real *series, size_t count)
 {
-    double sum = 0.0;
+    sculler_real sum = 0.0;
     for (size_t i = 0; i < count; i++) {
         sum += mode[i] * series[i];
     }
@@ -33,25 +39,25 @@ static double power_of(const double *mode, const double *series, size_t count)
 }
 
 /* A cosine mode of a series, less its best straight line. */
-static void make_mode(double *mode, size_t count, size_t order)
+static void make_mode(sculler_real *mode, size_t count, size_t order)
 {
-    double n = (double)count, middle = 0.5 * (n - 1.0);
-    double norm = sqrt(n * (n * n - 1.0) / 12.0), mean = 0.0, slope = 0.0;
+    sculler_real n = (sculler_real)count, middle = 0.5 * (n - 1.0);
+    sculler_real norm = sqrt(n * (n * n - 1.0) / 12.0), mean = 0.0, slope = 0.0;
     for (size_t i = 0; i < count; i++) {
-        mode[i] = sqrt(2.0 / n) * cos(SCULLER_PI / n * (double)order * ((double)i + 0.5));
+        mode[i] = sqrt(2.0 / n) * cos(SCULLER_PI / n * (sculler_real)order * ((sculler_real)i + 0.5));
         mean += mode[i] / n;
-        slope += mode[i] * (((double)i - middle) / norm);
+        slope += mode[i] * (((sculler_real)i - middle) / norm);
     }
     for (size_t i = 0; i < count; i++) {
-        mode[i] -= mean + slope * (((double)i - middle) / norm);
+        mode[i] -= mean + slope * (((sculler_real)i - middle) / norm);
     }
 }
 
 /* The power of a mode for each unit of variance: of a random walk's means over the steps, of white
  * noise, of differenced white noise. */
-static void make_spectrum(const double *mode, size_t count, double spectrum[3])
+static void make_spectrum(const sculler_real *mode, size_t count, sculler_real spectrum[3])
 {
-    double squares = 0.0, neighbours = 0.0, above = 0.0, walk = 0.0;
+    sculler_real squares = 0.0, neighbours = 0.0, above = 0.0, walk = 0.0;
     for (size_t left = count; left > 0u; left--) {
         size_t i = left - 1u;
         squares += mode[i] * mode[i];
@@ -64,9 +70,9 @@ static void make_spectrum(const double *mode, size_t count, double spectrum[3])
     spectrum[2] = 2.0 * squares - 2.0 * neighbours;
 }
 
-static double expected_of(const double spectrum[3], const variances *v, size_t kinds)
+static sculler_real expected_of(const sculler_real spectrum[3], const variances *v, size_t kinds)
 {
-    double sum = 0.0;
+    sculler_real sum = 0.0;
     for (size_t k = 0; k < kinds; k++) {
         sum += v->variance[k] * spectrum[k];
     }
@@ -79,21 +85,21 @@ static double expected_of(const double spectrum[3], const variances *v, size_t k
  * kinds: 2 without blue noise; first: the first variance where it is known, else negative; start:
  * variances to begin from, for fewer rounds, or null. */
 static variances most_likely(
-    const sculler_align *window, const double *power, size_t kinds, double first,
+    const sculler_align *window, const sculler_real *power, size_t kinds, sculler_real first,
     const variances *start)
 {
     size_t modes = window->part_count - 2u;
     variances found = {{0.0, 0.0, 0.0}};
-    double total = 0.0;
+    sculler_real total = 0.0;
     for (size_t p = 0; p < modes; p++) {
         total += power[p];
     }
     for (size_t k = 0; k < kinds; k++) {
-        double sum = 0.0;
+        sculler_real sum = 0.0;
         for (size_t p = 0; p < modes; p++) {
             sum += window->spectra[p][k];
         }
-        double even = total / sum, least = 1e-3 * even;
+        sculler_real even = total / sum, least = 1e-3 * even;
         found.variance[k] = even;
         if (start != NULL) {
             found.variance[k] = start->variance[k] > least ? start->variance[k] : least;
@@ -104,13 +110,13 @@ static variances most_likely(
         rounds = ROUNDS;
     }
     for (int round = 0; round < rounds; round++) {
-        double above[3] = {0.0, 0.0, 0.0}, below[3] = {0.0, 0.0, 0.0};
+        sculler_real above[3] = {0.0, 0.0, 0.0}, below[3] = {0.0, 0.0, 0.0};
         if (first >= 0.0) {
             found.variance[0] = first;
         }
         for (size_t p = 0; p < modes; p++) {
-            double expected = expected_of(window->spectra[p], &found, kinds);
-            expected = expected > 1e-300 ? expected : 1e-300;
+            sculler_real expected = expected_of(window->spectra[p], &found, kinds);
+            expected = expected > LEAST ? expected : LEAST;
             for (size_t k = 0; k < kinds; k++) {
                 above[k] += power[p] / (expected * expected) * window->spectra[p][k];
                 below[k] += window->spectra[p][k] / expected;
@@ -127,37 +133,37 @@ static variances most_likely(
 }
 
 /* The logarithm of the likelihood, of two axes. */
-static double fit_of(const sculler_align *window, const variances *v)
+static sculler_real fit_of(const sculler_align *window, const variances *v)
 {
-    double sum = 0.0;
+    sculler_real sum = 0.0;
     for (size_t p = 0; p + 2u < window->part_count; p++) {
-        double expected = expected_of(window->spectra[p], v, 3u);
+        sculler_real expected = expected_of(window->spectra[p], v, 3u);
         sum += log(expected) + window->power[0][p] / expected;
     }
     return -sum;
 }
 
 /* How likely a walk (rad) is against the best variances. */
-static double chance_of(
-    const sculler_align *window, double walk, const variances *free, double best)
+static sculler_real chance_of(
+    const sculler_align *window, sculler_real walk, const variances *free, sculler_real best)
 {
     variances with = most_likely(window, window->power[0], 3u, walk * walk, free);
-    double excess = fit_of(window, &with) - best;
+    sculler_real excess = fit_of(window, &with) - best;
     return exp(excess < 0.0 ? excess : 0.0);
 }
 
 /* The walk's variance, its mean over what it may be: every walk up to a limit as likely as another.
  * Gets the sum of chances and of chances times squares. */
 static void add_walks(
-    const sculler_align *window, double limit, double weight, const variances *free, double best,
-    double sums[2])
+    const sculler_align *window, sculler_real limit, sculler_real weight, const variances *free, sculler_real best,
+    sculler_real sums[2])
 {
-    double walks[POINTS + 1u], spreads[POINTS + 1u], spread_sum = 0.0;
-    double between = sqrt(free->variance[0]), last = -1.0;
+    sculler_real walks[POINTS + 1u], spreads[POINTS + 1u], spread_sum = 0.0;
+    sculler_real between = sqrt(free->variance[0]), last = -1.0;
     size_t count = 0;
     between = between < limit ? between : limit;
     for (size_t i = 0; i < POINTS; i++) {
-        double part = (double)i / LAST_POINT, walk = limit * (part * part);
+        sculler_real part = (sculler_real)i / LAST_POINT, walk = limit * (part * part);
         if (last < between && between < walk) {
             walks[count] = between;
             count++;
@@ -174,23 +180,23 @@ static void add_walks(
     for (size_t i = 0; i < count; i++) {
         size_t low = i > 0u ? i - 1u : 0u, high = i + 1u < count ? i + 1u : i;
         size_t apart = high - low;
-        spreads[i] = (walks[high] - walks[low]) / (double)apart;
+        spreads[i] = (walks[high] - walks[low]) / (sculler_real)apart;
         spread_sum += spreads[i];
     }
     for (size_t i = 0; i < count; i++) {
-        double chance = weight * chance_of(window, walks[i], free, best) * spreads[i] / spread_sum;
+        sculler_real chance = weight * chance_of(window, walks[i], free, best) * spreads[i] / spread_sum;
         sums[0] += chance;
         sums[1] += chance * (walks[i] * walks[i]);
     }
 }
 
-static double mean_walk(const sculler_align *window, double shown)
+static sculler_real mean_walk(const sculler_align *window, sculler_real shown)
 {
-    const double as_shown = 4.0, less = 1.0, more = 0.1; /* the odds */
+    const sculler_real as_shown = 4.0, less = 1.0, more = 0.1; /* the odds */
     variances free = most_likely(window, window->power[0], 3u, -1.0, NULL);
-    double best = fit_of(window, &free), largest = 0.0, sums[2];
+    sculler_real best = fit_of(window, &free), largest = 0.0, sums[2];
     for (size_t p = 0; p < 4u; p++) {
-        double ratio = window->power[0][p] / window->spectra[p][0];
+        sculler_real ratio = window->power[0][p] / window->spectra[p][0];
         largest = ratio > largest ? ratio : largest;
     }
     largest = 3.0 * sqrt(largest); /* more than the tilts at the lowest modes allow */
@@ -204,7 +210,7 @@ static double mean_walk(const sculler_align *window, double shown)
 /* Fill in the series: tilts about north and east, and the gyros' angles. */
 static void make_series(sculler_align *window, sculler_quaternion start)
 {
-    double scale = 1.0 / ((double)window->part_size * window->gravity);
+    sculler_real scale = 1.0 / ((sculler_real)window->part_size * window->gravity);
     for (size_t i = 0; i < window->part_count; i++) {
         const sculler_align_part *part = &window->parts[i];
         /* psi turns gravity into the level: -g psi_E north, g psi_N east */
@@ -221,7 +227,7 @@ static void make_series(sculler_align *window, sculler_quaternion start)
 static void transform(sculler_align *window)
 {
     size_t count = window->part_count;
-    double mode[SCULLER_ALIGN_PARTS], power[5];
+    sculler_real mode[SCULLER_ALIGN_PARTS], power[5];
     for (size_t p = 0; p + 2u < count; p++) {
         make_mode(mode, count, p + 2u);
         make_spectrum(mode, count, window->spectra[p]);
@@ -235,13 +241,13 @@ static void transform(sculler_align *window)
 
 sculler_noise sculler_noise_shown(sculler_align *window, sculler_quaternion start)
 {
-    double step = (double)window->part_size * window->interval, g = window->gravity;
+    sculler_real step = (sculler_real)window->part_size * window->interval, g = window->gravity;
     sculler_noise shown = sculler_unknown_noise();
     make_series(window, start);
     transform(window);
     /* counts are white in an angle */
     variances gyros = most_likely(window, window->power[1], 2u, -1.0, NULL);
-    double known = mean_walk(window, sqrt(gyros.variance[0]));
+    sculler_real known = mean_walk(window, sqrt(gyros.variance[0]));
     variances found = most_likely(window, window->power[0], 3u, known, NULL);
     shown.angle_random_walk = sqrt(found.variance[0] / step);
     shown.velocity_random_walk = g * sqrt(found.variance[1] * step);

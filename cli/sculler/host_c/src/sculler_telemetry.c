@@ -73,18 +73,18 @@ void sculler_telemetry_write(
     }
     to = put(to, status, 2u);
     to = put(to, number, 8u);
-    to = put_double(to, state->time);
-    to = put_double(to, state->q.x);
-    to = put_double(to, state->q.y);
-    to = put_double(to, state->q.z);
-    to = put_double(to, state->q.w);
-    to = put_double(to, state->v.x);
-    to = put_double(to, state->v.y);
-    to = put_double(to, state->v.z);
-    to = put_double(to, state->lat);
-    to = put_double(to, state->lon);
-    to = put_double(to, state->h);
-    to = put_double(to, state->wander);
+    to = put_double(to, sculler_double_of(state->time));
+    to = put_double(to, sculler_double_of(state->q.x));
+    to = put_double(to, sculler_double_of(state->q.y));
+    to = put_double(to, sculler_double_of(state->q.z));
+    to = put_double(to, sculler_double_of(state->q.w));
+    to = put_double(to, sculler_double_of(state->v.x));
+    to = put_double(to, sculler_double_of(state->v.y));
+    to = put_double(to, sculler_double_of(state->v.z));
+    to = put_double(to, sculler_double_of(state->lat));
+    to = put_double(to, sculler_double_of(state->lon));
+    to = put_double(to, sculler_double_of(state->h));
+    to = put_double(to, sculler_double_of(state->wander));
     (void)put(to, sculler_crc32(frame, CRC_AT), 4u);
 }
 
@@ -104,17 +104,17 @@ sculler_error sculler_telemetry_read(
     }
     *status = (uint16_t)got(frame + 6, 2u);
     *number = got(frame + 8, 8u);
-    state->time = got_double(frame + 16);
-    state->q.x = got_double(frame + 24);
-    state->q.y = got_double(frame + 32);
-    state->q.z = got_double(frame + 40);
-    state->q.w = got_double(frame + 48);
-    state->v.x = got_double(frame + 56);
-    state->v.y = got_double(frame + 64);
-    state->v.z = got_double(frame + 72);
-    state->lat = got_double(frame + 80);
-    state->lon = got_double(frame + 88);
-    state->h = got_double(frame + 96);
-    state->wander = got_double(frame + 104);
+    state->time = sculler_real_of(got_double(frame + 16));
+    state->q.x = sculler_real_of(got_double(frame + 24));
+    state->q.y = sculler_real_of(got_double(frame + 32));
+    state->q.z = sculler_real_of(got_double(frame + 40));
+    state->q.w = sculler_real_of(got_double(frame + 48));
+    state->v.x = sculler_real_of(got_double(frame + 56));
+    state->v.y = sculler_real_of(got_double(frame + 64));
+    state->v.z = sculler_real_of(got_double(frame + 72));
+    state->lat = sculler_real_of(got_double(frame + 80));
+    state->lon = sculler_real_of(got_double(frame + 88));
+    state->h = sculler_real_of(got_double(frame + 96));
+    state->wander = sculler_real_of(got_double(frame + 104));
     return SCULLER_OK;
 }
