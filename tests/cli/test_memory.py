@@ -20,7 +20,7 @@ Run = Callable[..., Any]
 SHORT, LONG = 40, 160
 """Seconds at 100 Hz; results at 50 Hz."""
 
-GROWTH = 200e3
+GROWTH = 300e3
 """Bytes by which the peak may differ; the long run's 6,000 more states, if they were kept, would be
 600,000, and their vectors a million."""
 
