@@ -9,8 +9,11 @@ from position_designs import HIGH_RESOLUTION
 from sculler_model.design import (
     COLUMNS,
     COMPONENTS,
+    EVERY_COLUMNS,
+    FOURTH_ORDER_VECTORS,
     HIGH_RESOLUTION_COLUMNS,
     HIGH_RESOLUTION_VECTORS,
+    THIRD_ORDER_VECTORS,
     VECTORS,
     Result,
 )
@@ -29,7 +32,9 @@ def test_column_names() -> None:
         "sculling_within_y,sculling_within_z,sculling_between_x,sculling_between_y,"
         "sculling_between_z"
     )
-    assert Result._fields[2:] == (*VECTORS, *HIGH_RESOLUTION_VECTORS)
+    third, fourth = THIRD_ORDER_VECTORS, FOURTH_ORDER_VECTORS
+    assert Result._fields[2:] == (*VECTORS, *HIGH_RESOLUTION_VECTORS, *third, *fourth)
+    assert [len(columns) for columns in EVERY_COLUMNS] == [20, 26, 29, 32]
 
 
 @pytest.mark.parametrize("name", [None, "stim300_4x5", "wide_5p0"])

@@ -149,14 +149,20 @@ def read_vectors(
             where = f"{path}: line 1" if file.unit == "line" else str(path)
             raise InputError(
                 f"{where}: {len(file.columns)} columns, but design {design.name} with"
-                f' position = "{design.algorithm.position}" gives {len(design.columns)}; is this'
-                " its vectors file?"
+                f" {_told(design)} gives {len(design.columns)}; is this its vectors file?"
             )
         missing = missing or (design is not None and design.drops_results)
         checks = _Checks(f"{path}: {file.unit}", file.first, design, missing)
         for block in file.blocks():
             for begin in range(0, len(block), chunk):
                 yield checks(rows_of(block, slice(begin, begin + chunk)))
+
+
+def _told(design: Design) -> str:
+    """What its columns depend on."""
+    if design.order > 2:
+        return f"order = {design.order}"
+    return f'position = "{design.algorithm.position}"'
 
 
 class _Checks:

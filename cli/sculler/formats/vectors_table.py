@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from sculler.formats.tables import Block, Column, open_table, seconds, whole, writing_table
 from sculler.formats.vectors_text import TIME, trimmed
-from sculler_model.design import COLUMNS, HIGH_RESOLUTION_COLUMNS, Design
+from sculler_model.design import COLUMNS, EVERY_COLUMNS, Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock, limbs_of
 
@@ -34,8 +34,9 @@ class TableVectors(AbstractContextManager["TableVectors"]):
             self._table = stack.enter_context(open_table(path, "vectors file"))
             names = list(self._table.names)
             self.times = TIME in names
-            high = any(name in names for name in HIGH_RESOLUTION_COLUMNS[len(COLUMNS) :])
-            self.columns = HIGH_RESOLUTION_COLUMNS if high else COLUMNS
+            further = [each for each in EVERY_COLUMNS[1:] if set(each[len(COLUMNS) :]) & {*names}]
+            whole_there = [each for each in further if {*each} <= {*names}]
+            self.columns = [COLUMNS, *further[:1], *whole_there][-1]
             self._require(names)
             self._stack = stack.pop_all()
 

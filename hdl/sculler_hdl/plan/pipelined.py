@@ -71,8 +71,14 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
     Then additions are given as much time as the latency goal and the pace of results allow.
 
     Raises:
-        InputError: `hardware.multipliers` are too few for any folding.
+        InputError: `hardware.multipliers` are too few for any folding, or the design's order is
+            above 2, which this core cannot form.
     """
+    if design.order > 2:
+        raise InputError(
+            f"hardware.core: the pipelined core has no algorithm.order = {design.order}, give"
+            ' core = "compact" or leave order out'
+        )
     budget, goal = design.hardware.multipliers, _latency_goal(design)
     lengths = TARGETS[design.hardware.target].limb_bits
     made: dict[Configuration, Schedule] = {}

@@ -1,8 +1,8 @@
 """Coning and sculling algorithms as exact rationals: tap tables and the families they come from.
 
 `TapTable` holds a table of integer taps over one denominator; `make` designs one of any family of
-`FAMILIES`.  Vectors of exact integers and the scrolling of high-resolution position are here too.
-It imports no other room.
+`FAMILIES`.  Vectors of exact integers, the scrolling of high-resolution position and the terms of
+third and fourth order are here too.  It imports no other room.
 """
 
 from sculler_model.algorithms.balance import Balance, SensorKind, Sum
@@ -18,6 +18,14 @@ from sculler_model.algorithms.catalogue import (
     make,
 )
 from sculler_model.algorithms.decimals import rational
+from sculler_model.algorithms.dual_vectors import (
+    DUAL_ZERO,
+    Dual,
+    dual_cross,
+    dual_sum,
+    dual_times,
+)
+from sculler_model.algorithms.higher_order import ORDERS, Composition, HigherOrder, composition
 from sculler_model.algorithms.integer_vectors import (
     ZERO,
     Vec,
@@ -51,12 +59,15 @@ from sculler_model.algorithms.tap_table import (
     newton_cotes,
 )
 from sculler_model.algorithms.time_taylor import time_taylor
+from sculler_model.algorithms.triples import TripleTaps, triple_taps
 from sculler_model.algorithms.uncompressed import uncompress, uncompressed
 
 __all__ = [
     "BASES",
+    "DUAL_ZERO",
     "FAMILIES",
     "MAX_SAMPLES",
+    "ORDERS",
     "SCROLLING_DENOMINATOR",
     "SENSOR_KINDS",
     "S_DENOMINATOR",
@@ -65,10 +76,13 @@ __all__ = [
     "Analogue",
     "Balance",
     "Band",
+    "Composition",
     "Digital",
     "DoublyIntegrated",
+    "Dual",
     "Fit",
     "HighResolution",
+    "HigherOrder",
     "Made",
     "Match",
     "Measured",
@@ -80,9 +94,14 @@ __all__ = [
     "Stage",
     "Sum",
     "TapTable",
+    "TripleTaps",
     "Vec",
+    "composition",
     "cross",
     "distance_sums",
+    "dual_cross",
+    "dual_sum",
+    "dual_times",
     "filtered_rate",
     "first_manoeuvre_error",
     "fit",
@@ -97,6 +116,7 @@ __all__ = [
     "tap_table",
     "time_taylor",
     "times",
+    "triple_taps",
     "uncompress",
     "uncompressed",
     "vector_sum",

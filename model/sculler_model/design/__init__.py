@@ -9,6 +9,13 @@ from sculler_model.design.bus import Bus
 from sculler_model.design.design import Design
 from sculler_model.design.filters import at_another_rate
 from sculler_model.design.hardware import Hardware
+from sculler_model.design.higher_order_words import DualRange, HigherOrderWords
+from sculler_model.design.interval import (
+    ZERO_RANGE,
+    Interval,
+    cross_range,
+    range_of_sum,
+)
 from sculler_model.design.names import RESERVED_WORDS, name_fault
 from sculler_model.design.presets import PRESETS
 from sculler_model.design.reading import fault_of
@@ -16,6 +23,9 @@ from sculler_model.design.result import (
     AXES,
     COLUMNS,
     COMPONENTS,
+    EVERY_COLUMNS,
+    FOURTH_ORDER_COLUMNS,
+    FOURTH_ORDER_VECTORS,
     HIGH_RESOLUTION_COLUMNS,
     HIGH_RESOLUTION_VECTORS,
     STATUS_BITS,
@@ -23,6 +33,8 @@ from sculler_model.design.result import (
     STATUS_LOST,
     STATUS_RAIL,
     STATUS_SHORT_HISTORY,
+    THIRD_ORDER_COLUMNS,
+    THIRD_ORDER_VECTORS,
     VECTORS,
     Result,
     columns_of,
@@ -31,11 +43,7 @@ from sculler_model.design.scales import scales_hash
 from sculler_model.design.sensor_errors import AxisErrors, Drawn, SensorErrors
 from sculler_model.design.word_lengths import (
     MAX_BITS,
-    ZERO_RANGE,
-    Interval,
     WordLengths,
-    cross_range,
-    range_of_sum,
     word_lengths,
 )
 
@@ -43,6 +51,9 @@ __all__ = [
     "AXES",
     "COLUMNS",
     "COMPONENTS",
+    "EVERY_COLUMNS",
+    "FOURTH_ORDER_COLUMNS",
+    "FOURTH_ORDER_VECTORS",
     "HIGH_RESOLUTION_COLUMNS",
     "HIGH_RESOLUTION_VECTORS",
     "MAX_BITS",
@@ -53,13 +64,17 @@ __all__ = [
     "STATUS_LOST",
     "STATUS_RAIL",
     "STATUS_SHORT_HISTORY",
+    "THIRD_ORDER_COLUMNS",
+    "THIRD_ORDER_VECTORS",
     "VECTORS",
     "ZERO_RANGE",
     "AxisErrors",
     "Bus",
     "Design",
     "Drawn",
+    "DualRange",
     "Hardware",
+    "HigherOrderWords",
     "Interval",
     "Result",
     "SensorErrors",

@@ -21,7 +21,7 @@ from sculler_model.algorithms import (
 )
 from sculler_model.design.band import BandTable
 from sculler_model.design.filters import Filter, response
-from sculler_model.design.result import VECTORS
+from sculler_model.design.result import FOURTH_ORDER_VECTORS, THIRD_ORDER_VECTORS, VECTORS
 from sculler_model.design.sensor import Sensor
 from sculler_model.design.word_lengths import MAX_BITS, word_lengths
 from sculler_model.errors import InputError
@@ -59,6 +59,9 @@ class Algorithm(Part):
         denominator_bits: rounded taps stand over 2 to this.
         fit: "constrained", which is the default: slow motion stays exact; "free": the band alone
             counts.
+        order: 2 (the default), 3 or 4: up to which products of increments the rotation vector and
+            the velocity are formed (`higher_order`); above 2 adds `coning_third` and
+            `sculling_third`, 4 `coning_fourth` and `sculling_fourth` too.
         position: "high-resolution" adds the vectors s_alpha, s_nu and scrolling (`scrolling`),
             from which the host has the displacement over each major interval; "trapezoidal", which
             is the default, has none of them.
@@ -108,6 +111,8 @@ class Algorithm(Part):
         Field(description='"trapezoidal" or "high-resolution"'),
     ] = None
 
+    order: Annotated[Literal[2, 3, 4] | None, Field(description="2, 3 or 4")] = None
+
     @field_validator("history")
     @classmethod
     def _history_in_samples(cls, history: int, info: ValidationInfo) -> int:
@@ -150,6 +155,11 @@ class Algorithm(Part):
     @classmethod
     def _the_usual_is_left_unsaid(cls, value: str | None) -> str | None:
         return None if value == "trapezoidal" else value
+
+    @field_validator("order")
+    @classmethod
+    def _second_order_is_left_unsaid(cls, value: int | None) -> int | None:
+        return None if value == 2 else value
 
     @field_validator("base", "match", "filter", "sum", "band", "denominator_bits", "fit")
     @classmethod
@@ -225,8 +235,10 @@ def require_narrow(table: TapTable, sensor: Sensor, algorithm: Algorithm) -> Non
     Raises:
         InputError: its denominators or results are wider than `MAX_BITS`.
     """
-    words = word_lengths(sensor.gyro.bits, sensor.accel.bits, algorithm.minors, table, False)
-    widths = {vector: getattr(words, vector).bits for vector in VECTORS}
+    order = algorithm.order or 2
+    words = word_lengths(sensor.gyro.bits, sensor.accel.bits, algorithm.minors, table, False, order)
+    higher = (*THIRD_ORDER_VECTORS, *FOURTH_ORDER_VECTORS)[: 2 * (order - 2)]
+    widths = {vector: getattr(words, vector).bits for vector in (*VECTORS, *higher)}
     widths["denominator"] = table.denominator.bit_length()
     widths["sum_denominator"] = table.sum_denominator.bit_length()
     widest = max(widths, key=lambda name: widths[name])
@@ -235,6 +247,31 @@ def require_narrow(table: TapTable, sensor: Sensor, algorithm: Algorithm) -> Non
             f"algorithm.table: {widest} would have {widths[widest]:,} bits, more than the"
             f" {MAX_BITS} that a core can have; give smaller taps and weights (no published table"
             " needs more than 395)"
+        )
+
+
+def require_summed(table: TapTable, sensor: Sensor, algorithm: Algorithm) -> None:
+    """See that terms of third and fourth order can be formed.
+
+    Raises:
+        InputError: the samples are no increments that count once each, or high-resolution
+            position is asked for too.
+    """
+    key = f"algorithm.order: {algorithm.order}"
+    if sensor.kind != "increment":
+        raise InputError(
+            f'{key} is not possible with sensor.kind = "{sensor.kind}", give sensor.kind ='
+            ' "increment" or leave it out'
+        )
+    if algorithm.position is not None:
+        raise InputError(
+            f'{key} is not possible with algorithm.position = "{algorithm.position}", leave one'
+            " of them out"
+        )
+    if table.sum_denominator != 1 or table.weights != (1,) * table.samples + (0,):
+        raise InputError(
+            f"{key} needs every sample of a minor interval to count once, leave out"
+            " algorithm.table.weights or order"
         )
 
 

@@ -15,11 +15,12 @@ from typing import Annotated, Any
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator
 
-from sculler_model.algorithms import Made, Response, TapTable, make
+from sculler_model.algorithms import Composition, Made, Response, TapTable, composition, make
 from sculler_model.design.algorithm import (
     Algorithm,
     recipe_of,
     require_narrow,
+    require_summed,
     sensor_response,
     tap_table_of,
 )
@@ -29,7 +30,14 @@ from sculler_model.design.hardware import Hardware
 from sculler_model.design.history import reaches, short_samples
 from sculler_model.design.names import name_fault
 from sculler_model.design.reading import fault_of, with_preset
-from sculler_model.design.result import HIGH_RESOLUTION_VECTORS, VECTORS, columns_of, components_of
+from sculler_model.design.result import (
+    FOURTH_ORDER_VECTORS,
+    HIGH_RESOLUTION_VECTORS,
+    THIRD_ORDER_VECTORS,
+    VECTORS,
+    columns_of,
+    components_of,
+)
 from sculler_model.design.sensor import Sensor
 from sculler_model.design.word_lengths import WordLengths, word_lengths
 from sculler_model.errors import InputError
@@ -79,6 +87,8 @@ class Design(Part):
             return algorithm
         sensor_response(sensor, algorithm)
         table = tap_table_of(sensor, algorithm)
+        if algorithm.order is not None:
+            require_summed(table, sensor, algorithm)
         require_narrow(table, sensor, algorithm)
         if algorithm.position == "high-resolution":
             if sensor.kind != "increment":
@@ -206,6 +216,7 @@ class Design(Part):
             self.algorithm.minors,
             self.table,
             self.high_resolution,
+            self.order,
         )
 
     @property
@@ -229,10 +240,23 @@ class Design(Part):
         """Whether it hands over what high-resolution position needs."""
         return self.algorithm.position == "high-resolution"
 
+    @property
+    def order(self) -> int:
+        """Up to which products of increments it forms rotation vector and velocity: 2, 3 or 4."""
+        return self.algorithm.order or 2
+
+    @cached_property
+    def composition(self) -> Composition:
+        """Denominators and factors of the terms of third and fourth order."""
+        return composition(self.table)
+
     @cached_property
     def vectors(self) -> tuple[str, ...]:
         """Names of the vectors it hands over, in order."""
-        return (*VECTORS, *HIGH_RESOLUTION_VECTORS) if self.high_resolution else VECTORS
+        position = HIGH_RESOLUTION_VECTORS if self.high_resolution else ()
+        third = THIRD_ORDER_VECTORS if self.order > 2 else ()
+        fourth = FOURTH_ORDER_VECTORS if self.order > 3 else ()
+        return (*VECTORS, *position, *third, *fourth)
 
     @cached_property
     def components(self) -> tuple[str, ...]:

@@ -1,8 +1,9 @@
 """The result the core hands over each major interval, and the names its parts go by.
 
-Every design hands over the six `VECTORS`; one with `position = "high-resolution"` three more after
-them.  `Design.vectors`, `.components` and `.columns` say what a design has; the order of its
-columns is the order of the vectors CSV, of the Verilog result ports and of the word stream.
+Every design hands over the six `VECTORS`; after them one with `position = "high-resolution"` three
+more, one with `order = 3` two more, and one with `order = 4` four.  `Design.vectors`,
+`.components` and `.columns` say what a design has; the order of its columns is the order of the
+vectors CSV, of the Verilog result ports and of the word stream.
 """
 
 from __future__ import annotations
@@ -27,6 +28,12 @@ VECTORS = (
 HIGH_RESOLUTION_VECTORS = ("s_alpha", "s_nu", "scrolling")
 """What `position = "high-resolution"` adds (fields of `WordLengths` too)."""
 
+THIRD_ORDER_VECTORS = ("coning_third", "sculling_third")
+"""What `order = 3` and `order = 4` add (fields of `WordLengths` too)."""
+
+FOURTH_ORDER_VECTORS = ("coning_fourth", "sculling_fourth")
+"""What `order = 4` adds after those."""
+
 
 def components_of(vectors: Sequence[str]) -> tuple[str, ...]:
     """The names of all components of some vectors."""
@@ -46,6 +53,15 @@ COLUMNS = columns_of(VECTORS)
 
 HIGH_RESOLUTION_COLUMNS = columns_of((*VECTORS, *HIGH_RESOLUTION_VECTORS))
 """The columns of a design with it."""
+
+THIRD_ORDER_COLUMNS = columns_of((*VECTORS, *THIRD_ORDER_VECTORS))
+"""The columns of a design with `order = 3`."""
+
+FOURTH_ORDER_COLUMNS = columns_of((*VECTORS, *THIRD_ORDER_VECTORS, *FOURTH_ORDER_VECTORS))
+"""The columns of a design with `order = 4`."""
+
+EVERY_COLUMNS = (COLUMNS, THIRD_ORDER_COLUMNS, HIGH_RESOLUTION_COLUMNS, FOURTH_ORDER_COLUMNS)
+"""All that results can have, the fewest first; no two are of one length."""
 
 STATUS_SHORT_HISTORY = 1
 """Status bit 0: what this interval used reached before the first sample: a non-zero tap or weight,
@@ -69,8 +85,9 @@ STATUS_BITS = 4
 class Result(NamedTuple):
     """One major interval's result: exact integer numerators (docs/explanation/theory.md).
 
-    Each vector is (x, y, z) in the sensor's axes.  The last three are there where the design has
-    high-resolution position (`algorithms.scrolling`), else None.
+    Each vector is (x, y, z) in the sensor's axes.  `s_alpha`, `s_nu` and `scrolling` are there
+    where the design has high-resolution position (`algorithms.scrolling`), those of third and
+    fourth order where it has that `order` (`algorithms.higher_order`), else None.
 
     Attributes:
         major: counts from 0 after reset.
@@ -80,6 +97,8 @@ class Result(NamedTuple):
         coning_between, sculling_between: over 2 Dw², counts².
         s_alpha, s_nu: running integrals of alpha and nu, over 12, counts times samples.
         scrolling: over 4320, counts² times samples.
+        coning_third, sculling_third: over `Composition.third`, counts³.
+        coning_fourth, sculling_fourth: over `Composition.fourth`, counts⁴.
     """
 
     major: int
@@ -93,6 +112,10 @@ class Result(NamedTuple):
     s_alpha: Vec | None = None
     s_nu: Vec | None = None
     scrolling: Vec | None = None
+    coning_third: Vec | None = None
+    sculling_third: Vec | None = None
+    coning_fourth: Vec | None = None
+    sculling_fourth: Vec | None = None
 
     def row(self) -> tuple[int, ...]:
         """The integers in the order of the design's columns."""

@@ -7,11 +7,17 @@ therefore holds every value that can occur: that is the whole proof (docs/explan
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
 
 from sculler_model.algorithms import TapTable, scrolling_weights_total
+from sculler_model.design.higher_order_words import (
+    DualRange,
+    HigherOrderWords,
+    higher_order_words,
+)
+from sculler_model.design.interval import ZERO_RANGE, Interval, cross_range, range_of_sum
 
 MAX_BITS = 512
 """Of a result's component, and of the denominators.
@@ -21,82 +27,6 @@ M = 4096.  What is wider comes of a slip in a user's table; its core would take 
 gigabytes to make and fit no device, and beyond 1023 bits the host's floats could not hold its
 results.
 """
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A closed range of integers with exact interval arithmetic.
-
-    Attributes:
-        lo, hi: its ends, both in it.
-
-    Raises:
-        ValueError: it is empty.
-    """
-
-    lo: int
-    hi: int
-
-    def __post_init__(self) -> None:
-        if self.lo > self.hi:
-            raise ValueError(f"empty interval {self.lo}..{self.hi}")
-
-    @classmethod
-    def signed(cls, bits: int) -> Interval:
-        """All values of a two's-complement word."""
-        return cls(-(1 << (bits - 1)), (1 << (bits - 1)) - 1)
-
-    @property
-    def bits(self) -> int:
-        """Narrowest two's-complement width that holds the interval (at least 1)."""
-        return (
-            max(
-                self.lo.bit_length() if self.lo >= 0 else (~self.lo).bit_length(),
-                self.hi.bit_length() if self.hi >= 0 else (~self.hi).bit_length(),
-            )
-            + 1
-        )
-
-    def __contains__(self, value: int) -> bool:
-        return self.lo <= value <= self.hi
-
-    def __add__(self, other: Interval) -> Interval:
-        return Interval(self.lo + other.lo, self.hi + other.hi)
-
-    def __neg__(self) -> Interval:
-        return Interval(-self.hi, -self.lo)
-
-    def __sub__(self, other: Interval) -> Interval:
-        return self + -other
-
-    def __mul__(self, other: Interval) -> Interval:
-        ends = [a * b for a in (self.lo, self.hi) for b in (other.lo, other.hi)]
-        return Interval(min(ends), max(ends))
-
-    def scaled(self, factor: int) -> Interval:
-        """The interval of factor * x for one x (not of a sum of different ones)."""
-        return self * Interval(factor, factor)
-
-    def repeated(self, count: int) -> Interval:
-        """The interval of a sum of `count` values, each anywhere in this one."""
-        return Interval(self.lo * count, self.hi * count)
-
-    def __or__(self, other: Interval) -> Interval:
-        """The smallest interval holding both."""
-        return Interval(min(self.lo, other.lo), max(self.hi, other.hi))
-
-
-ZERO_RANGE = Interval(0, 0)
-
-
-def range_of_sum(intervals: Iterable[Interval]) -> Interval:
-    """Interval of the sum of independent values."""
-    return reduce(Interval.__add__, intervals, ZERO_RANGE)
-
-
-def cross_range(left: Interval, right: Interval) -> Interval:
-    """Interval of one component of a cross product: left_y right_z - left_z right_y."""
-    return left * right - left * right
 
 
 @dataclass(frozen=True)
@@ -125,11 +55,24 @@ class WordLengths:
     s_nu: Interval | None = None
     scrolling: Interval | None = None
     """Over 4320."""
+    coning_third: Interval | None = None
+    """Over `Composition.third`; like the next three, None where the order is lower."""
+    sculling_third: Interval | None = None
+    coning_fourth: Interval | None = None
+    """Over `Composition.fourth`."""
+    sculling_fourth: Interval | None = None
+    higher: HigherOrderWords | None = None
+    """What the terms of higher order are formed from."""
 
 
 @lru_cache(maxsize=1024)
 def word_lengths(
-    gyro_bits: int, accel_bits: int, minors: int, table: TapTable, high_resolution: bool = False
+    gyro_bits: int,
+    accel_bits: int,
+    minors: int,
+    table: TapTable,
+    high_resolution: bool = False,
+    order: int = 2,
 ) -> WordLengths:
     """Worst-case ranges of a design.
 
@@ -141,6 +84,7 @@ def word_lengths(
         minors: M, minor intervals in a major interval.
         table: the tap table.
         high_resolution: whether the design has s_alpha, s_nu and scrolling.
+        order: 2, 3 or 4, that of the rotation vector and of velocity.
     """
     gyro, accel = Interval.signed(gyro_bits), Interval.signed(accel_bits)
     phases = [(_weighted(gyro, row), _weighted(accel, row)) for row in table.taps if any(row)]
@@ -169,6 +113,8 @@ def word_lengths(
         sculling_within=sculling_within,
         sculling_between=sculling_between,
     )
+    if order > 2:
+        words = _with_higher_order(words, minors, table, order)
     return _with_position(words, table.samples * minors) if high_resolution else words
 
 
@@ -189,3 +135,23 @@ def _with_position(words: WordLengths, samples: int) -> WordLengths:
         # bilinear in the samples: each product of two may be extreme with its weight's sign
         scrolling=cross_range(words.gyro, words.accel).repeated(scrolling_weights_total(samples)),
     )
+
+
+def _with_higher_order(words: WordLengths, minors: int, table: TapTable, order: int) -> WordLengths:
+    """The same with what the terms of third and fourth order add."""
+    coning = sculling = ZERO_RANGE
+    for row in table.taps:
+        a, b = _weighted(words.gyro, row), _weighted(words.accel, row)
+        coning += cross_range(a, words.gyro)
+        sculling += cross_range(a, words.accel) + cross_range(b, words.gyro)
+    kappa = DualRange(coning, sculling)
+    higher = higher_order_words(words.gyro, words.accel, kappa, minors, table, order)
+    words = replace(
+        words,
+        coning_third=higher.third.angle,
+        sculling_third=higher.third.velocity,
+        higher=higher,
+    )
+    if order == 3:
+        return words
+    return replace(words, coning_fourth=higher.fourth.angle, sculling_fourth=higher.fourth.velocity)

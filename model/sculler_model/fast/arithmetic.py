@@ -14,7 +14,7 @@ taps, weights and counts are written in digits of c bits, the digits are multipl
 summed in int64, and the sums put together as one Python integer per component.  `digit_bits`
 finds the c for which no such sum can pass 64 bits.  A narrow design is the case of one digit.
 
-High-resolution position is that of `scrolling`.
+High-resolution position is that of `scrolling`, third and fourth order that of `higher_order`.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from sculler_model.design import VECTORS, Design, Interval, cross_range
 from sculler_model.fast.blocks import component_limbs
+from sculler_model.fast.higher_order import FastHigherOrder
 from sculler_model.fast.scrolling import FastHighResolution
 from sculler_model.fast.wide import Integers, as_integers
 
@@ -103,6 +104,7 @@ class Arithmetic:
         if design.high_resolution:
             counts = words.gyro | words.accel
             self._position = FastHighResolution(design.samples_per_major, counts)
+        self._higher = FastHigherOrder(design, self.history) if design.order > 2 else None
 
         # Arrays that every block uses anew: fresh memory costs more than the arithmetic.
         self._x = self._vectors(self.n, self.minors_back + self.M)
@@ -123,7 +125,7 @@ class Arithmetic:
         return np.empty((count, 2, 4, self.majors, minors), np.int64).swapaxes(-1, -2)
 
     def components(self, rows: Counts) -> Integers:
-        """(R, 18 or 27) components of the R major intervals after the history in `rows`."""
+        """(R, C) components of the R major intervals after the history in `rows`."""
         n, M = self.n, self.M
         R = (len(rows) - self.history) // (n * M)
         buffers = (self._x, self._A_B, self._theta_v, self._alpha_nu)
@@ -159,6 +161,8 @@ class Arithmetic:
         if self._position is not None:
             position = self._position.components(rows[self.history - 1 :])
             components = np.concatenate([components, position], axis=1)
+        if self._higher is not None:
+            components = np.concatenate([components, self._higher.components(rows)], axis=1)
         return as_integers(components, self.limbs)
 
     def _load(self, rows: Counts, x: NDArray[np.int64]) -> None:

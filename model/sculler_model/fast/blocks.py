@@ -9,7 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.design import COMPONENTS, HIGH_RESOLUTION_COLUMNS, Design, Result
+from sculler_model.design import (
+    COMPONENTS,
+    EVERY_COLUMNS,
+    HIGH_RESOLUTION_COLUMNS,
+    Design,
+    Result,
+)
 from sculler_model.fast.wide import Integers, as_integers, concatenate, limbs_for
 from sculler_model.tables import Table, vector_columns
 
@@ -26,9 +32,10 @@ class VectorBlock(Table):
     Attributes:
         major: (R,) int64, counting from 0 after reset.
         status: (R,) int64, bit set (see `sculler_model.design`).
-        components: exact integers in the order of the design's components, (R, 18), with
-            high-resolution position (R, 27); int64, or `WideIntegers` where the numbers may pass 64
-            bits.  Arrays of Python integers are taken and kept so.
+        components: exact integers in the order of the design's components, (R, 18), with third
+            order (R, 24), high-resolution position (R, 27) or fourth order (R, 30); int64, or
+            `WideIntegers` where the numbers may pass 64 bits.  Arrays of Python integers are taken
+            and kept so.
         times: (R,) instant of each interval's end on the log's clock, s; None where the log has
             no stamps.
 
@@ -108,7 +115,9 @@ class VectorBlock(Table):
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns of its rows."""
-        return HIGH_RESOLUTION_COLUMNS[: 2 + self.components.shape[1]]
+        count = 2 + self.components.shape[1]
+        found = next((each for each in EVERY_COLUMNS if len(each) == count), None)
+        return HIGH_RESOLUTION_COLUMNS[:count] if found is None else found
 
     def vector(self, name: str) -> Integers:
         """A vector by its name, (R, 3).

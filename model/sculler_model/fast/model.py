@@ -77,7 +77,8 @@ class FastModel:
         samples: samples accepted since reset.
 
     Raises:
-        InputError: `compiled` is asked for without Numba.
+        InputError: `compiled` is asked for without Numba, or for a design of third or fourth order,
+            which only numpy computes.
     """
 
     def __init__(
@@ -99,6 +100,8 @@ class FastModel:
         self._kernel: Kernel | None = None
         self._taken = 0  # samples, whether or not reset
         self._expected = expected
+        if compiled and design.order > 2:
+            raise InputError(f"the compiled model has no order = {design.order}, leave it out")
         if compiled:
             kernel = kernel_class()
             if kernel is None:
@@ -121,7 +124,8 @@ class FastModel:
     @property
     def lacks_numba(self) -> bool:
         """Whether there were samples enough to be compiled for, but Numba is missing."""
-        return self._taken >= WORTH_COMPILING and kernel_class() is None
+        worth = self._taken >= WORTH_COMPILING and self.design.order == 2
+        return worth and kernel_class() is None
 
     def feed(self, counts: ArrayLike, faults: ArrayLike | None = None) -> VectorBlock:
         """Take consecutive samples and return the major intervals they complete.
@@ -261,6 +265,7 @@ class FastModel:
     def _kernel_if_worth(self, rows: _Rows) -> Kernel | None:
         """The kernel, if Numba is there and with these samples there are enough."""
         worth = max(self._taken + len(rows.counts), self._expected) >= WORTH_COMPILING
+        worth = worth and self.design.order == 2
         if self._kernel is None and self._compiled is None and worth:
             kernel = kernel_class()
             self._kernel = None if kernel is None else kernel(self.design)

@@ -11,9 +11,13 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from sculler_model.algorithms import (
     ZERO,
+    Dual,
+    HigherOrder,
     HighResolution,
     Vec,
     cross,
+    dual_sum,
+    dual_times,
     times,
     vector_sum,
     whole_numbers,
@@ -88,6 +92,9 @@ class GoldenModel:
         self.s: list[Vec] = []  # gyro counts, newest last
         self.r: list[Vec] = []  # accelerometer counts, newest last
         self.position = HighResolution() if self.design.high_resolution else None
+        self.higher = None
+        if self.design.order > 2:
+            self.higher = HigherOrder(self.design.table, self.design.order)
         self.major = 0
         self._clear()
 
@@ -97,6 +104,9 @@ class GoldenModel:
         self.nu = self.sculling_within = self.sculling_between = ZERO
         if self.position is not None:
             self.position.clear()
+        if self.higher is not None:
+            self.higher.clear()
+        self._within = Dual(ZERO, ZERO)  # the sums within at the last minor interval's end
 
     def _weighted_sum(self, coefficients: Iterable[tuple[int, int]], counts: list[Vec]) -> Vec:
         """Sum of c * counts[t-d] over pairs (d, c); samples before the first one are zero."""
@@ -159,12 +169,28 @@ class GoldenModel:
         weights = list(enumerate(self.design.table.weights))
         theta = self._weighted_sum(weights, self.s)
         v = self._weighted_sum(weights, self.r)
+        if self.higher is not None:
+            self._higher_order(self.higher)
         self.coning_between = vector_sum(self.coning_between, cross(self.alpha, theta))
         self.sculling_between = vector_sum(
             self.sculling_between, cross(self.alpha, v), cross(self.nu, theta)
         )
         self.alpha = vector_sum(self.alpha, theta)
         self.nu = vector_sum(self.nu, v)
+
+    def _higher_order(self, higher: HigherOrder) -> None:
+        """Hand `HigherOrder` the samples, and all sums as before this minor interval."""
+        n = self.design.table.samples
+        within = Dual(self.coning_within, self.sculling_within)
+        kappa = dual_sum(within, dual_times(-1, self._within))
+        higher.step(
+            [Dual(*sample) for sample in zip(self.s[-n:], self.r[-n:], strict=True)],
+            Dual(self.alpha, self.nu),
+            self._within,
+            Dual(self.coning_between, self.sculling_between),
+            kappa,
+        )
+        self._within = within
 
     def _every_major_end(self) -> Result:
         result = Result(
@@ -183,6 +209,13 @@ class GoldenModel:
                 s_nu=self.position.s_nu,
                 scrolling=self.position.scrolling,
             )
+        if self.higher is not None:
+            third, fourth = self.higher.third, self.higher.fourth
+            result = result._replace(coning_third=third.angle, sculling_third=third.velocity)
+            if self.design.order > 3:
+                result = result._replace(
+                    coning_fourth=fourth.angle, sculling_fourth=fourth.velocity
+                )
         self.major += 1
         self._clear()
         return result

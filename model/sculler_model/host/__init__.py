@@ -16,6 +16,7 @@ from sculler_model.host.increments import MajorIncrements
 from sculler_model.host.scaling import (
     increments_of,
     major_increments,
+    refuse_third_order,
     second_order_corrections,
     uncorrected,
 )
@@ -37,6 +38,7 @@ __all__ = [
     "one_minus_cosine",
     "one_minus_sine",
     "position_rotation",
+    "refuse_third_order",
     "rotation_terms",
     "second_order_corrections",
     "slopes",

@@ -58,6 +58,12 @@ def major_increments(
     position gives ΔR_SF as well (`displacement`, with S_α = g T_l s_alpha/12, S_υ = a T_l s_nu/12
     and ΔR_scrl = a g T_l scrolling/4320), and ΔV_SF to higher orders (`velocity_higher_orders`).
 
+    A design of third or fourth order adds g³ coning_third/D3 and g⁴ coning_fourth/D4 to φ, and
+
+        ΔV_SF = w + ΔV_rot(φ, w),   w = υ + sculling + a g² sculling_third/D3 + ...
+
+    with the denominators of `Design.composition` (docs/explanation/higher-order.md).
+
     Args:
         design: the design.
         block: consecutive major intervals.
@@ -71,19 +77,37 @@ def major_increments(
         The increments, with the block's status and, where it has them, its times.
 
     Raises:
-        InputError: there is no such rotation.
+        InputError: there is no such rotation, or `third_order` is asked for of a design that has
+            those terms in its integers.
     """
     if rotation not in ("exact", "first-order"):
         raise InputError(f'rotation: {rotation!r} is not allowed, give "exact" or "first-order"')
+    if third_order:
+        refuse_third_order(design)
     if rotation == "first-order":
         increments = _first_order(design, block)
     elif design.high_resolution:
         increments = _with_displacement(design, block)
+    elif design.order > 2:
+        increments = _with_higher_orders(design, block)
     elif _is_worth_compiling(len(block)):
         increments = _compiled(design, block)
     else:
         increments = _scaled(design, block)
     return ThirdOrder()(increments) if third_order else increments
+
+
+def refuse_third_order(design: Design) -> None:
+    """See that the host's own third-order terms are not added to integers that hold them.
+
+    Raises:
+        InputError: the design is of third or fourth order.
+    """
+    if design.order > 2:
+        raise InputError(
+            f"third order: the integers of {design.name}, with order = {design.order}, hold these"
+            " terms already; leave the host's third order out"
+        )
 
 
 def increments_of(
@@ -104,7 +128,8 @@ def increments_of(
     design, span = model.design, model.design.samples_per_major
     majors = (model.leftover + len(np.asarray(counts))) // span
     blocks = model.feed_in_parts(counts, faults, RESULTS * span)
-    if design.high_resolution or not _is_worth_compiling(majors) or compiled_scale() is None:
+    plain = not design.high_resolution and design.order == 2
+    if not plain or not _is_worth_compiling(majors) or compiled_scale() is None:
         return MajorIncrements.concatenate([major_increments(design, each) for each in blocks])
     statuses = np.empty(majors, np.int64)
     whole, done = replace(_none_yet(majors), status=statuses), 0
@@ -187,6 +212,21 @@ def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
         dv_sf=increments.dv_sf + higher,
         dr_sf=displacement(alpha, upsilon, s_alpha, s_upsilon, scrolling),
     )
+
+
+def _with_higher_orders(design: Design, block: VectorBlock) -> MajorIncrements:
+    """φ, α and ΔV_SF of a design of third or fourth order."""
+    units, composed, g = _units(design), design.composition, design.gyro_scale
+    alpha, w = _sums(block, units)
+    phi = alpha + units.coning * _correction(block, "coning", units)
+    w += units.sculling * _correction(block, "sculling", units)
+    orders = {"third": (g * g / composed.third), "fourth": (g**3 / composed.fourth)}
+    for name in ("third", "fourth")[: design.order - 2]:
+        phi += g * orders[name] * block.vector(f"coning_{name}").astype(np.float64)
+        scale = design.accel_scale * orders[name]
+        w += scale * block.vector(f"sculling_{name}").astype(np.float64)
+    dv_sf = w + velocity_rotation(phi, w)
+    return MajorIncrements(phi, alpha, dv_sf, status=block.status, times=block.times)
 
 
 def _first_order(design: Design, block: VectorBlock) -> MajorIncrements:

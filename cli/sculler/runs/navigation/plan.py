@@ -10,6 +10,7 @@ from typing import Any, Literal, NamedTuple
 from sculler_model.design import Design
 from sculler_model.errors import ContradictionError, InputError
 from sculler_model.frames import AxisMap, from_euler, to_euler
+from sculler_model.host import refuse_third_order
 from sculler_model.navigation import (
     ESTIMATED,
     NORMAL,
@@ -250,6 +251,8 @@ class Plan:
     def __post_init__(self) -> None:
         if self.engine not in ("python", "c"):
             raise InputError(f'engine: {self.engine!r} is not allowed, give "python" or "c"')
+        if self.third_order:
+            refuse_third_order(self.design)
         if self.engine == "c" and self.carrier.compiled:
             raise ContradictionError("compiled is for the engine python, leave it out")
         if self.engine == "c" and not (self.carrier.usual and self.rotation == "exact"):

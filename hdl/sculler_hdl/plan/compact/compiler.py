@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
+from sculler_hdl.plan.compact.higher_order import HigherOrderCompiler
 from sculler_hdl.plan.compact.instructions import (
     Base,
     Block,
@@ -14,6 +15,7 @@ from sculler_hdl.plan.compact.instructions import (
     ProductTerm,
     Store,
     When,
+    digits_reached,
 )
 from sculler_hdl.plan.compact.memory_map import MemoryMap
 from sculler_hdl.plan.compact.scrolling import (
@@ -42,38 +44,48 @@ class Compiler:
     def __init__(self, design: Design, memory: MemoryMap) -> None:
         self.design = design
         self.map = memory
+        self._higher = HigherOrderCompiler(self) if design.order > 2 else None
 
     def phase(self, k: int) -> list[Block]:
         """What a sample of phase k asks for, one number after another."""
         table, minors = self.design.table, self.design.algorithm.minors
         active = table.active_phases
-        s, r = self.map.samples("s", 0), self.map.samples("r", 0)
         blocks: list[Block] = []
         if self.design.high_resolution:
             blocks += self._position(k)
         if k in active:
             restart = When.CONTINUED if k == active[0] else When.ALWAYS
             row = list(enumerate(table.taps[k - 1], start=1))
-            blocks += self._weighted_sums(self.map.A, "s", row)
-            blocks += self._weighted_sums(self.map.B, "r", row)
-            blocks += self._crosses("coning_within", restart, [(self.map.A, s)])
-            blocks += self._crosses("sculling_within", restart, [(self.map.A, r), (self.map.B, s)])
+            blocks += self.weighted_sums(self.map.A, "s", row)
+            blocks += self.weighted_sums(self.map.B, "r", row)
+            if self._higher is not None:
+                blocks += self._higher.within_products(first=k == active[0])
+            else:
+                blocks += self._within(restart)
         if k == table.samples:
             weights = list(enumerate(table.weights))
-            blocks += self._weighted_sums(self.map.theta, "s", weights)
-            blocks += self._weighted_sums(self.map.v, "r", weights)
+            blocks += self.weighted_sums(self.map.theta, "s", weights)
+            blocks += self.weighted_sums(self.map.v, "r", weights)
             alpha, nu = self.map.accumulator("alpha"), self.map.accumulator("nu")
-            if minors > 1:
+            if self._higher is not None:
+                blocks += self._higher.minor_end()
+            elif minors > 1:
                 # all the same with theta and v in alpha and nu already: theta x v + v x theta = 0
                 between = [(alpha, self.map.theta)]
-                blocks += self._crosses("coning_between", When.CONTINUED, between, When.CONTINUED)
+                blocks += self.crosses("coning_between", When.CONTINUED, between, When.CONTINUED)
                 between = [(alpha, self.map.v), (nu, self.map.theta)]
-                blocks += self._crosses("sculling_between", When.CONTINUED, between, When.CONTINUED)
+                blocks += self.crosses("sculling_between", When.CONTINUED, between, When.CONTINUED)
             if not self.design.high_resolution:
-                blocks += self._increments(alpha, self.map.theta, When.CONTINUED)
-                blocks += self._increments(nu, self.map.v, When.CONTINUED)
+                blocks += self.increments(alpha, self.map.theta, When.CONTINUED)
+                blocks += self.increments(nu, self.map.v, When.CONTINUED)
             blocks += [self._major(), self._status()]
         return blocks
+
+    def _within(self, restart: When) -> Iterator[Block]:
+        """The products within of a sample."""
+        s, r = self.map.samples("s", 0), self.map.samples("r", 0)
+        yield from self.crosses("coning_within", restart, [(self.map.A, s)])
+        yield from self.crosses("sculling_within", restart, [(self.map.A, r), (self.map.B, s)])
 
     def _position(self, k: int) -> Iterator[Block]:
         """High-resolution position as `position` has it; alpha and nu take each sample at once."""
@@ -100,7 +112,7 @@ class Compiler:
                 ProductTerm(s_alpha[axis], self.map.factor[-S_WEIGHT], when=running),
                 *beginning(-S_WEIGHT, s_1[axis]),
             ]
-            yield self._sum(self.map.C[axis], terms)
+            yield self.sum_of(self.map.C[axis], terms)
         for axis in range(3):
             terms = [
                 ProductTerm(nu[axis], self.map.weight[D_NU], when=running),
@@ -108,19 +120,19 @@ class Compiler:
                 ProductTerm(s_nu[axis], self.map.factor[S_WEIGHT], when=running),
                 *beginning(S_WEIGHT, r_1[axis]),
             ]
-            yield self._sum(self.map.D[axis], terms)
+            yield self.sum_of(self.map.D[axis], terms)
         products = [(self.map.C, r), (self.map.D, s)]
         if first:
             for axis in range(3):
-                yield self._sum(self.map.E[axis], beginning(FIRST_WEIGHT, s_1[axis]))
+                yield self.sum_of(self.map.E[axis], beginning(FIRST_WEIGHT, s_1[axis]))
             products.append((self.map.E, r_1))
         for doubly, newest, before in ((s_alpha, s, s_1), (s_nu, r, r_1)):
             for axis in range(3):
                 terms = [ProductTerm(self.map.weight[W], newest[axis]), *beginning(1, before[axis])]
-                yield self._accumulated(doubly[axis], terms, running, shown=last)
-        yield from self._increments(alpha, s, running, shown=last)
-        yield from self._increments(nu, r, running, shown=last)
-        yield from self._crosses("scrolling", running, products, shown=last)
+                yield self.accumulated(doubly[axis], terms, running, shown=last)
+        yield from self.increments(alpha, s, running, shown=last)
+        yield from self.increments(nu, r, running, shown=last)
+        yield from self.crosses("scrolling", running, products, shown=last)
 
     def _count_down(self, weight: Weight, k: int) -> Block:
         """A weight of high-resolution position, in the interval's first sample from its start."""
@@ -140,27 +152,27 @@ class Compiler:
             terms.append(
                 ProductTerm(self.map.coefficient(weight.last), self.map.unity, when=When.MAJOR_END)
             )
-        return self._sum(number, terms)
+        return self.sum_of(number, terms)
 
-    def _increments(
+    def increments(
         self, sums: list[Number], increments: list[Number], restart: When, shown: bool = True
     ) -> Iterator[Block]:
         """sums += increments."""
         for total, increment in zip(sums, increments, strict=True):
             add = ProductTerm(self.map.coefficient(1), increment)
-            yield self._accumulated(total, [add], restart, shown)
+            yield self.accumulated(total, [add], restart, shown)
 
-    def _weighted_sums(
+    def weighted_sums(
         self, sums: list[Number], sensor: str, coefficients: Iterable[tuple[int, int]]
     ) -> Iterator[Block]:
         """A, B, theta or v: coefficients (distance, c) times samples."""
         terms = [(self.map.coefficient(c), d) for d, c in coefficients if c]
         for axis, total in enumerate(sums):
-            yield self._sum(
+            yield self.sum_of(
                 total, [ProductTerm(c, self.map.sample(sensor, axis, d)) for c, d in terms]
             )
 
-    def _sum(self, total: Number, terms: list[ProductTerm]) -> Block:
+    def sum_of(self, total: Number, terms: list[ProductTerm]) -> Block:
         """total = terms."""
         stores = [
             Store(place.address, frozenset([place.memory]), signed=place is total.places[-1])
@@ -169,7 +181,7 @@ class Compiler:
         ]
         return self._block(total.name, terms, stores)
 
-    def _crosses(
+    def crosses(
         self,
         vector: str,
         restart: When,
@@ -184,15 +196,17 @@ class Compiler:
             for left, right in products:
                 terms.append(ProductTerm(left[y], right[z], when=when))
                 terms.append(ProductTerm(left[z], right[y], subtract=True, when=when))
-            yield self._accumulated(self.map.state[f"{vector}_{name}"], terms, restart, shown)
+            yield self.accumulated(self.map.state[f"{vector}_{name}"], terms, restart, shown)
 
-    def _accumulated(
+    def accumulated(
         self, state: Number, terms: list[ProductTerm], restart: When, shown: bool = True
     ) -> Block:
         """state += terms; if it is `shown`, with as many words as a column of the result has."""
         terms = [ProductTerm(state, self.map.unity, when=restart), *terms]
+        if digits_reached(terms) > len(state.places):
+            raise AssertionError(f"{state.name}: its digits do not hold what is added")
         if not shown:
-            return self._sum(state, terms)
+            return self.sum_of(state, terms)
         first = self.map.first_word(state.name)
         stores = []
         for i in range(self.map.words_per_column):
@@ -204,7 +218,7 @@ class Compiler:
     def _major(self) -> Block:
         """The number of the major interval: one more in each but the first since reset."""
         count = ProductTerm(self.map.coefficient(1), self.map.unity, when=When.NEXT_MAJOR)
-        return self._accumulated(self.map.state["major"], [count], When.LATER_MAJOR)
+        return self.accumulated(self.map.state["major"], [count], When.LATER_MAJOR)
 
     def _status(self) -> Block:
         bits = {STATUS_FAULT: When.FAULT}
@@ -223,8 +237,7 @@ class Compiler:
     def _block(self, name: str, terms: list[ProductTerm], stores: Sequence[Store]) -> Block:
         """Column by column, as in the module's docstring; column c ends with stores[c]."""
         nothing = self.map.number("0", [self.map.zero], [ZERO_RANGE])
-        highest = max(len(term.left.places) + len(term.right.places) - 2 for term in terms)
-        if highest >= len(stores):
+        if digits_reached(terms) > len(stores):
             raise AssertionError(f"{name}: {len(stores)} digits do not hold its products")
         block: list[Instruction] = []
         for column, store in enumerate(stores):

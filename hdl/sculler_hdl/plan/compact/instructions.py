@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from functools import reduce
@@ -79,6 +79,11 @@ class ProductTerm:
     right: Number
     subtract: bool = False
     when: When = When.ALWAYS
+
+
+def digits_reached(terms: Iterable[ProductTerm]) -> int:
+    """Digits of the highest place that a product of their digits has."""
+    return max(len(term.left.places) + len(term.right.places) - 1 for term in terms)
 
 
 @dataclass(frozen=True)

@@ -49,6 +49,7 @@ class MemoryMap:
         self.zero = self._constant(0)
         self.one = self.right.place("1", 1)
         self.unity = self.number("1", [self.one], [Interval(1, 1)])
+        self._right_constants = {1: self.one}
 
         words = design.words
         self.A = self._vector("A", words.gyro_taps, self.left)
@@ -63,7 +64,7 @@ class MemoryMap:
         words, samples = self.design.words, self.design.samples_per_major
         self.E = self._vector("E", words.gyro.scaled(FIRST_WEIGHT), self.left)
         self.weight = {
-            weight: self._placed(
+            weight: self.placed(
                 weight.name,
                 weight.range(samples),
                 self.right if weight in LEFT_WEIGHTED else self.left,
@@ -99,7 +100,27 @@ class MemoryMap:
         places = [self._constant(digit) for digit in digits]
         return self.number(str(value), places, [Interval(digit, digit) for digit in digits])
 
-    def _placed(self, name: str, number: Interval, memory: Memory, least: int = 1) -> Number:
+    def right_factor(self, value: int) -> Number:
+        """A constant on the right."""
+        ranges = digit_ranges(Interval(value, value))
+        digits = [value >> WORD_BITS * i for i in range(len(ranges))]
+        digits[:-1] = [digit & DIGIT.hi for digit in digits[:-1]]
+        places = [self._right_constant(digit) for digit in digits]
+        return self.number(str(value), places, [Interval(digit, digit) for digit in digits])
+
+    def _right_constant(self, value: int) -> MemoryWord:
+        if value not in self._right_constants:
+            self._right_constants[value] = self.right.place(str(value), value)
+        return self._right_constants[value]
+
+    @staticmethod
+    def is_left(number: Number) -> bool:
+        """Whether it is a left operand."""
+        place = number.places[0]
+        return isinstance(place, MemoryWord) and place.memory == "left"
+
+    def placed(self, name: str, number: Interval, memory: Memory, least: int = 1) -> Number:
+        """A new number, of `least` digits or more."""
         ranges = digit_ranges(number, least)
         places = [memory.place(f"{name}.{i}") for i in range(len(ranges))]
         return self.number(name, places, ranges)
@@ -109,10 +130,10 @@ class MemoryMap:
     ) -> list[Number]:
         """C or D, with the digits that weight * number, one of its terms, reaches."""
         digits = len(weight.places) + len(number.places) - 1
-        return [self._placed(f"{name}_{axis}", components, self.left, digits) for axis in AXES]
+        return [self.placed(f"{name}_{axis}", components, self.left, digits) for axis in AXES]
 
     def _vector(self, name: str, components: Interval, memory: Memory) -> list[Number]:
-        return [self._placed(f"{name}_{axis}", components, memory) for axis in AXES]
+        return [self.placed(f"{name}_{axis}", components, memory) for axis in AXES]
 
     def _state(self, column: str) -> Number:
         """An accumulated component, or the number of the major interval."""
