@@ -44,6 +44,7 @@ COMMANDS = {
     "vibration": "analyze vibration little.toml --spectrum flat:5-40:0.01",
     "quantisation": "analyze quantisation little.toml --frequency 10",
     "third-order": "analyze third-order little.toml --frequency 10",
+    "orders": "analyze orders little.toml --frequency 3 --seconds 1",
     "position": "analyze position little.toml --vibration 1 20 --over 1",
     "advise": "advise little.toml --coning 0.01 5 --drift 1 -o best.toml",
     "place": "place small.toml --device iCE40UP5K --seeds 1",

@@ -156,6 +156,35 @@ def test_navigate_takes_the_third_order(run: Run, tmp_path: Path) -> None:
     assert 1e-8 < np.abs(ends[0] - ends[1]).max() < 1e-6
 
 
+def test_orders_of_coning_in_a_turn_and_of_a_manoeuvre(run: Run) -> None:
+    """By the orders' powers: what is left of coning in a turn is third order, then nothing."""
+    words = ("analyze", "orders", "stim300", "--minors", 5)
+    cone = ("--half-angle", 0.1, "--frequency", 50, "--turn", 6, "--bank", 5, "--seconds", 1)
+    found = json.loads(run(*words, *cone, "--json").out)["orders"]
+    assert [row["order"] for row in found] == [2, 3, 4]
+    assert [row["hand_over_hz"] for row in found] == pytest.approx([100] * 3)
+    second, third, fourth = (row["attitude_arcsec"] for row in found)
+    assert third < second / 500
+    assert fourth < second / 500
+    second, third, fourth = (row["velocity"] for row in found)
+    assert third < second / 1000
+    assert fourth < second / 1000
+    said = run(*words, "--manoeuvre", "pitch-over").out
+    assert "manoeuvre pitch-over, 3 s" in said
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--frequency", 1000), "--frequency: 1000 Hz is not below the Nyquist limit, 1000 Hz"),
+        (("--seconds", 0.001), "--seconds: 0.001 is too short, give at least 0.01"),
+        (("--manoeuvre", "extreme", "--turn", 3), "--turn is of a cone, leave it out with"),
+    ],
+)
+def test_orders_refuses(refused: Refused, words: tuple[object, ...], message: str) -> None:
+    assert message in refused("analyze", "orders", "stim300", *words)
+
+
 def test_third_order_table_and_json(run: Run) -> None:
     words = ("analyze", "third-order", "stim300", "--minors", 5, "--turn", 6, "--seconds", 4)
     found = json.loads(run(*words, "--json").out)

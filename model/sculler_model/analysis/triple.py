@@ -121,6 +121,7 @@ def left(
         edge=edge,
     )
     samples = samples[edge:-edge]
+    design = changed(design, algorithm={"order": 2})
     design = with_fine_sensor(design, float(np.abs(samples).max()))
     counts = Quantiser(design)(samples)
     theta, within = minor_vectors(design, counts)

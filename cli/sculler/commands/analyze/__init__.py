@@ -7,7 +7,16 @@ import click
 from sculler import terminal
 from sculler.verbs import VerbGroup
 
-VERBS = ("coning", "sculling", "manoeuvre", "vibration", "quantisation", "third-order", "position")
+VERBS = (
+    "coning",
+    "sculling",
+    "manoeuvre",
+    "vibration",
+    "quantisation",
+    "third-order",
+    "orders",
+    "position",
+)
 
 
 @click.group(

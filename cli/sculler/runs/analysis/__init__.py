@@ -2,6 +2,7 @@
 
 from sculler.runs.analysis.frequency import FrequencyPlan, Kind, coning, frequency_study, sculling
 from sculler.runs.analysis.manoeuvre import ManoeuvrePlan, manoeuvre_study
+from sculler.runs.analysis.orders import OrdersPlan, orders_study
 from sculler.runs.analysis.position import PositionPlan, position_study
 from sculler.runs.analysis.quantisation import QuantisationPlan, quantisation_study
 from sculler.runs.analysis.subject import Subject, of_family, require_band
@@ -12,6 +13,7 @@ __all__ = [
     "FrequencyPlan",
     "Kind",
     "ManoeuvrePlan",
+    "OrdersPlan",
     "PositionPlan",
     "QuantisationPlan",
     "Subject",
@@ -22,6 +24,7 @@ __all__ = [
     "frequency_study",
     "manoeuvre_study",
     "of_family",
+    "orders_study",
     "position_study",
     "quantisation_study",
     "require_band",

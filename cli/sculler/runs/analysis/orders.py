@@ -1,0 +1,127 @@
+"""What each order of rotation vector and velocity leaves at the end of a motion."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from math import degrees, radians
+from typing import Any
+
+from sculler.words import Advance, silent
+from sculler_model.analysis.manoeuvre import MANOEUVRES
+from sculler_model.analysis.orders import HeldConing, Manoeuvred, left_by_order
+from sculler_model.analysis.triple import ConingTurn
+from sculler_model.design import Design
+from sculler_model.errors import ContradictionError, InputError
+
+
+@dataclass(frozen=True)
+class OrdersPlan:
+    """What to study.
+
+    Attributes:
+        design: gives sample rate and coefficients; its sensor counts increments.
+        name: of the design, for messages.
+        half_angle: of the cone, degrees.
+        frequency: of the cone, Hz.
+        turn: rate about the vertical, °/s.
+        bank: in the turn, degrees.
+        manoeuvre: a name of `MANOEUVRES`, in place of the cone.
+        minors: numbers of minor intervals of a major one.
+        seconds: length of the run; 10, or that of the manoeuvre, if left out.
+
+    Raises:
+        InputError: the design or the motion does not fit the study.
+        ContradictionError: a manoeuvre and a part of a cone.
+    """
+
+    design: Design
+    name: str
+    half_angle: float | None = None
+    frequency: float | None = None
+    turn: float | None = None
+    bank: float | None = None
+    manoeuvre: str | None = None
+    minors: tuple[int, ...] = (1, 5)
+    seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        design = self.design
+        if design.sensor.kind != "increment":
+            raise InputError(f'{self.name}: sensor.kind is "rate", give a design with increments')
+        if self.manoeuvre is not None:
+            for key in ("half_angle", "frequency", "turn", "bank"):
+                if getattr(self, key) is not None:
+                    raise ContradictionError(
+                        f"--{key.replace('_', '-')} is of a cone, leave it out with --manoeuvre"
+                    )
+        elif self.cone.hertz >= design.sensor.sample_rate_hz / 2:
+            raise InputError(
+                f"--frequency: {self.cone.hertz:g} Hz is not below the Nyquist limit,"
+                f" {design.sensor.sample_rate_hz / 2:g} Hz"
+            )
+        longest = max(self.minors) * self.minor_interval
+        if self.length < longest:
+            raise InputError(f"--seconds: {self.length:g} is too short, give at least {longest:g}")
+
+    @property
+    def cone(self) -> ConingTurn:
+        """The cone, if it is one: 45° at 10 Hz if nothing is said."""
+        half_angle, frequency = self.half_angle, self.frequency
+        return ConingTurn(
+            radians(45.0 if half_angle is None else half_angle),
+            10.0 if frequency is None else frequency,
+            radians(self.turn or 0.0),
+            radians(self.bank or 0.0),
+        )
+
+    @property
+    def motion(self) -> HeldConing | Manoeuvred:
+        """What the body does."""
+        if self.manoeuvre is None:
+            return HeldConing(self.cone)
+        return Manoeuvred(MANOEUVRES[self.manoeuvre])
+
+    @property
+    def length(self) -> float:
+        """Of the run, s."""
+        if self.seconds is not None:
+            return self.seconds
+        return 10.0 if self.manoeuvre is None else MANOEUVRES[self.manoeuvre].duration
+
+    @property
+    def minor_interval(self) -> float:
+        """Seconds."""
+        return self.design.algorithm.samples * self.design.sample_interval
+
+    def told(self) -> str:
+        """The motion in words."""
+        if self.manoeuvre is not None:
+            return f"manoeuvre {self.manoeuvre}"
+        cone = self.cone
+        said = f"{degrees(cone.half_angle):g}° coning at {cone.hertz:g} Hz"
+        return said + (f" in a {degrees(cone.turn):g} °/s turn" if cone.turn else "")
+
+
+def orders_study(plan: OrdersPlan, *, advance: Advance = silent) -> dict[str, Any]:
+    """Attitude (″) and velocity (m/s) for each M and order.
+
+    Returns:
+        What --json prints.
+
+    Raises:
+        InputError: the design can have no third order.
+    """
+    rows = []
+    for found in left_by_order(plan.design, plan.motion, plan.minors, plan.length):
+        row = asdict(found)
+        for key in ("attitude", "largest"):
+            row[f"{key}_arcsec"] = degrees(row.pop(key)) * 3600
+        rows.append({"hand_over_hz": 1 / (found.minors * plan.minor_interval), **row})
+        advance(1)
+    return {
+        "study": "orders",
+        "design": plan.design.name,
+        "motion": plan.told(),
+        "seconds": plan.length,
+        "orders": rows,
+    }

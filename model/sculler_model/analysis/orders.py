@@ -1,0 +1,146 @@
+"""What second, third and fourth order leave: attitude and velocity at the end of a motion.
+
+The same counts run through the core's integers with each `order`.  The truth is a closed form:
+coning in a turn has its attitude, and the body is held up by a specific force that is constant in
+the reference frame, so the velocity that it gives is force times time whatever the body does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sculler_model.algorithms import ORDERS
+from sculler_model.analysis.integer_path import changed, running_attitude, with_fine_sensor
+from sculler_model.analysis.manoeuvre import Manoeuvre, errors, true_attitude
+from sculler_model.analysis.triple import ConingTurn
+from sculler_model.design import Design
+from sculler_model.fast import run_fast
+from sculler_model.frames import conjugate, product
+from sculler_model.host import major_increments
+from sculler_model.motion import attitude, legendre_nodes
+from sculler_model.samples import Quantiser
+
+Array = NDArray[np.float64]
+
+FORCE = np.array([1.0, -2.0, -9.80665])
+"""m/s², of the reference frame."""
+
+MICRO = 1e-6
+
+
+@dataclass(frozen=True)
+class Left:
+    """Errors at one hand-over rate.
+
+    Attributes:
+        minors: M.
+        order: 2, 3 or 4.
+        attitude: at the end, rad, all axes together.
+        largest: the largest on the way, rad.
+        velocity: at the end, m/s, with the true attitude at the start of each interval; None for
+            motions without force.
+    """
+
+    minors: int
+    order: int
+    attitude: float
+    largest: float
+    velocity: float | None
+
+
+@dataclass(frozen=True)
+class HeldConing:
+    """Coning in a turn, held up by `FORCE`."""
+
+    motion: ConingTurn
+
+    def samples(self, design: Design, count: int) -> Array:
+        """(count, 6) increments of gyro and accelerometer."""
+        interval = design.sample_interval
+        found = self.motion.increments(interval, count)
+        nodes, weights = legendre_nodes(4 * np.pi * self.motion.hertz * interval)
+        for node, weight in zip(nodes, weights, strict=True):
+            q, _ = attitude(self.motion.turns(), (np.arange(count) + node) * interval)
+            found[:, 3:] += weight * interval * _turned(np.stack(conjugate(q), axis=1), FORCE)
+        return found
+
+    def attitudes(self, times: Array) -> Array:
+        """(R, 4) true quaternions at times[1:]."""
+        q, _ = attitude(self.motion.turns(), times[1:])
+        back = conjugate(self.motion.attitude(float(times[0])))
+        w, x, y, z = (np.full_like(times[1:], part) for part in back)
+        attitudes: Array = np.stack(product((w, x, y, z), q), axis=1)
+        return attitudes
+
+    def force(self) -> Array:
+        """`FORCE` in the body's frame at the time 0."""
+        start = np.array([conjugate(self.motion.attitude(0.0))])
+        force: Array = _turned(start, FORCE)[0]
+        return force
+
+
+@dataclass(frozen=True)
+class Manoeuvred:
+    """A manoeuvre, at rest before and after."""
+
+    motion: Manoeuvre
+
+    def samples(self, design: Design, count: int) -> Array:
+        """(count, 6) increments of the gyro; no force."""
+        return self.motion.samples(design, count)
+
+    def attitudes(self, times: Array) -> Array:
+        """(R, 4) true quaternions at times[1:]."""
+        return true_attitude(self.motion, times)
+
+
+def left_by_order(
+    design: Design,
+    motion: HeldConing | Manoeuvred,
+    minors: Sequence[int],
+    seconds: float,
+) -> Iterator[Left]:
+    """Errors of each order over a run on a sensor too fine to matter, for several M.
+
+    Args:
+        design: sample rate and coefficients (increments); its order and M do not matter.
+        motion: the motion.
+        minors: values of M.
+        seconds: length of the run, cut to whole major intervals.
+
+    Raises:
+        InputError: the design can have no third order.
+    """
+    n, T = design.algorithm.samples, design.sample_interval
+    majors = {M: round(seconds / (M * n * T) - 0.5 + 1e-9) for M in minors}
+    samples = motion.samples(design, max(M * n * majors[M] for M in minors))
+    peaks = np.abs(samples).reshape(-1, 2, 3).max(axis=(0, 2)).tolist()
+    fine = with_fine_sensor(design, *peaks)
+    counts = Quantiser(fine)(samples)
+    for M in minors:
+        times = M * n * T * np.arange(majors[M] + 1, dtype=np.float64)
+        true = motion.attitudes(times)
+        for order in ORDERS:
+            of_this = changed(fine, algorithm={"minors": M, "order": order})
+            found = major_increments(of_this, run_fast(of_this, counts[: M * n * majors[M]]))
+            errors_on_the_way = MICRO * errors(running_attitude(found.phi), true)
+            velocity = None
+            if isinstance(motion, HeldConing):
+                starts = np.concatenate(([[1.0, 0, 0, 0]], true[:-1]))
+                reached = _turned(starts, found.dv_sf).sum(axis=0)
+                velocity = float(np.linalg.norm(reached - times[-1] * motion.force()))
+            yield Left(
+                M, order, float(errors_on_the_way[-1]), float(errors_on_the_way.max()), velocity
+            )
+
+
+def _turned(q: Array, vectors: Array) -> Array:
+    """Vectors (R, 3) or (3,) from the frame of each quaternion (R, 4) to the outer one."""
+    scalar, axis = q[:, :1], q[:, 1:]
+    once = 2 * np.cross(axis, np.broadcast_to(vectors, axis.shape))
+    turned: Array = vectors + scalar * once + np.cross(axis, once)
+    return turned
