@@ -14,7 +14,7 @@ from sculler_hdl import generate
 from sculler_model import design as design_room
 from sculler_model.analysis.flight import PROFILE_COLUMNS
 from sculler_model.analysis.vibration import SPECTRUM_COLUMNS
-from sculler_model.design import HIGH_RESOLUTION_COLUMNS, Design
+from sculler_model.design import COLUMNS, FOURTH_ORDER_COLUMNS, HIGH_RESOLUTION_COLUMNS, Design
 
 REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
 
@@ -35,7 +35,11 @@ def first_column(page: str, after: str = "") -> list[str]:
     ("page", "columns", "besides"),
     [
         ("imu-log.md", [*log.COUNTS, *log.OPTIONAL], []),
-        ("vectors.md", HIGH_RESOLUTION_COLUMNS, ["time_s"]),
+        (
+            "vectors.md",
+            [*HIGH_RESOLUTION_COLUMNS, *FOURTH_ORDER_COLUMNS[len(COLUMNS) :]],
+            ["time_s"],
+        ),
         ("navigation-output.md", [*history.HEADER.split(","), history.WANDER], []),
         ("truth-files.md", sorted(truth_columns.KNOWN), []),
         (
