@@ -62,7 +62,7 @@ class HeldConing:
         """(count, 6) increments of gyro and accelerometer."""
         interval = design.sample_interval
         found = self.motion.increments(interval, count)
-        nodes, weights = legendre_nodes(4 * np.pi * self.motion.hertz * interval)
+        nodes, weights = legendre_nodes(self.motion.fastest * interval)
         for node, weight in zip(nodes, weights, strict=True):
             q, _ = attitude(self.motion.turns(), (np.arange(count) + node) * interval)
             found[:, 3:] += weight * interval * _turned(np.stack(conjugate(q), axis=1), FORCE)

@@ -51,13 +51,14 @@ class ConingTurn:
         about, spin = Turn(Z, Curve((0.0, self.turn))), Turn(Z, Curve((0.0, self.spin)))
         return (about, Turn(X, Curve((self.bank,))), *coning, *([spin] if self.spin else []))
 
-    def increments(self, interval: float, count: int, first: int = 0) -> Array:
-        """(count, 6) angle increments from sample `first` on, rad; the accelerometers see nothing.
+    @property
+    def fastest(self) -> float:
+        """Of the rates in the body, rad/s: up to twice the cone's frequency, and the spin's."""
+        return 4 * pi * self.hertz + abs(self.spin) + abs(self.turn)
 
-        The rates in the body are of up to twice the cone's frequency, and the spin's.
-        """
-        fastest = 4 * pi * self.hertz + abs(self.spin) + abs(self.turn)
-        nodes, weights = legendre_nodes(fastest * interval)
+    def increments(self, interval: float, count: int, first: int = 0) -> Array:
+        """(count, 6) angle increments from sample `first` on, rad; accelerometers see nothing."""
+        nodes, weights = legendre_nodes(self.fastest * interval)
         samples = np.zeros((count, 6))
         for node, weight in zip(nodes, weights, strict=True):
             times = (np.arange(first, first + count) + node) * interval

@@ -42,6 +42,12 @@ if TYPE_CHECKING:
     help="Rate of a turn about the vertical.",
 )
 @click.option("--bank", type=terminal.number_type(-90, 90), metavar="DEG", help="Bank in the turn.")
+@click.option(
+    "--spin",
+    type=terminal.number_type(-1e5, 1e5),
+    metavar="DEG/S",
+    help="Rate about the axis that goes round the cone, besides (spin-cone).",
+)
 @click.option("--manoeuvre", type=click.Choice(NAMES), help="A rate profile in place of the cone.")
 @click.option(
     "--minors",

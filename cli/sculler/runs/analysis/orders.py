@@ -25,6 +25,7 @@ class OrdersPlan:
         frequency: of the cone, Hz.
         turn: rate about the vertical, °/s.
         bank: in the turn, degrees.
+        spin: about the axis that goes round the cone, °/s.
         manoeuvre: a name of `MANOEUVRES`, in place of the cone.
         minors: numbers of minor intervals of a major one.
         seconds: length of the run; 10, or that of the manoeuvre, if left out.
@@ -40,6 +41,7 @@ class OrdersPlan:
     frequency: float | None = None
     turn: float | None = None
     bank: float | None = None
+    spin: float | None = None
     manoeuvre: str | None = None
     minors: tuple[int, ...] = (1, 5)
     seconds: float | None = None
@@ -49,7 +51,7 @@ class OrdersPlan:
         if design.sensor.kind != "increment":
             raise InputError(f'{self.name}: sensor.kind is "rate", give a design with increments')
         if self.manoeuvre is not None:
-            for key in ("half_angle", "frequency", "turn", "bank"):
+            for key in ("half_angle", "frequency", "turn", "bank", "spin"):
                 if getattr(self, key) is not None:
                     raise ContradictionError(
                         f"--{key.replace('_', '-')} is of a cone, leave it out with --manoeuvre"
@@ -72,6 +74,7 @@ class OrdersPlan:
             10.0 if frequency is None else frequency,
             radians(self.turn or 0.0),
             radians(self.bank or 0.0),
+            radians(self.spin or 0.0),
         )
 
     @property
@@ -99,7 +102,8 @@ class OrdersPlan:
             return f"manoeuvre {self.manoeuvre}"
         cone = self.cone
         said = f"{degrees(cone.half_angle):g}° coning at {cone.hertz:g} Hz"
-        return said + (f" in a {degrees(cone.turn):g} °/s turn" if cone.turn else "")
+        said += f" in a {degrees(cone.turn):g} °/s turn" if cone.turn else ""
+        return said + (f", spin {degrees(cone.spin):g} °/s" if cone.spin else "")
 
 
 def orders_study(plan: OrdersPlan, *, advance: Advance = silent) -> dict[str, Any]:
