@@ -38,6 +38,7 @@ RAW = "convert {} -o out.csv --design wide.toml"
 FAST = RAW.replace("wide.toml", "fast.toml")
 HDF5 = RAW + " --gyro-unit rad/s --accel-unit m/s2"
 NAVIGATE = "navigate inc.toml {} -o out.csv --no-plots --lat 47 --lon 8 --height 400"
+ATTITUDE = "navigate inc.toml {} -o out.csv --no-plots --attitude-only --lat 47 --rest 2:9"
 TRUTH = "navigate inc.toml vectors.csv -o out.csv --no-plots --truth {}"
 MOTION = "motion {} -o out.csv --truth t.csv --duration=1"
 ADVISE = "advise inc.toml --spectrum {} --drift 0.01 -o out.toml"
@@ -72,6 +73,7 @@ TARGETS = (
     Target("vectors-npz", "hires.npz", NAVIGATE.replace("inc.toml", "hires.toml")),
     Target("vectors-parquet", "vectors.parquet", NAVIGATE.replace("out.csv", "out.npz")),
     Target("vectors-align", "rest.csv", NAVIGATE + " --align 11 --fine", 2),
+    Target("vectors-attitude", "rest.csv", ATTITUDE, 4),
     Target("vectors-hires", "hires.csv", NAVIGATE.replace("inc.toml", "hires.toml")),
     Target("vectors-report", "vectors.csv", NAVIGATE.replace("--no-plots", "--report r.html"), 20),
     Target("compare-a", "vectors.csv", "compare {} vectors2.csv"),

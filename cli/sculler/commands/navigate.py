@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         "sculler navigate stim300 vectors.csv -o nav.csv --truth truth.csv --report run.html",
         "sculler navigate stim300 vectors.csv -o nav.csv --lat 48 --lon 11 --height 500 \\\n"
         "    --height-reference barometer.csv --height-lag 0.3 --height-damping 60",
+        "sculler navigate stim300 vectors.csv -o nav.csv --attitude-only --lat 48 --rest 0:60",
     ),
 )
 @terminal.design_argument
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 @options.initial_state_options
 @options.span_options
 @options.alignment_options
+@options.attitude_options
 @options.carrier_options
 @click.option(
     "--truth",
@@ -85,6 +87,8 @@ def command(
     first result may reach before the first sample (status bit 0): the run then begins at its end,
     where the initial state holds.
 
+    With --attitude-only the columns end with heading_deg, and nothing is said of where.
+
     With --truth the errors of attitude, velocity and position are told and drawn.  They are formed
     at the instants of whichever of the two is sparser; where the other has no state at such an
     instant it is interpolated: position by a cubic, velocity linearly, attitude evenly.  What only
@@ -94,7 +98,9 @@ def command(
     from sculler.formats.vectors import results_in
     from sculler.runs.navigation import navigate_file, told
 
-    plan = options.plan(terminal.load_design(design_name), vectors, truth, asked)
+    plan = options.plan(
+        terminal.load_design(design_name), vectors, truth, {**asked, "telemetry": telemetry}
+    )
     with terminal.progress("navigating", results_in(vectors)) as advance:
         outcome = navigate_file(
             plan, output, truth=truth, telemetry=telemetry, pictures=plots, advance=advance

@@ -19,6 +19,8 @@ HEADER = (
     "v_north,v_east,v_down,lat_deg,lon_deg,height_m"
 )
 WANDER = "wander_deg"
+ATTITUDE = 8
+"""Columns of `HEADER` that tell time and attitude."""
 
 
 class HistoryWriter:
@@ -31,13 +33,16 @@ class HistoryWriter:
     Args:
         path: the file.
         wander: a last column `WANDER` tells where that frame's x axis points, from north to east.
+        attitude_only: write time and attitude, and nothing else.
 
     Raises:
         InputError: the library for the kind of file is absent.
     """
 
-    def __init__(self, path: Path, *, wander: bool = False) -> None:
+    def __init__(self, path: Path, *, wander: bool = False, attitude_only: bool = False) -> None:
         self._names = [*HEADER.split(","), *[WANDER] * wander]
+        if attitude_only:
+            del self._names[ATTITUDE:]
         self._stack = ExitStack()
         self._table: TableWriter | None = None
         self._written = 0
@@ -61,7 +66,7 @@ class HistoryWriter:
         ]
         if WANDER in self._names:
             columns.append(np.degrees(part.wander))
-        table = np.column_stack(columns)
+        table = np.column_stack(columns)[:, : len(self._names)]
         if self._table is not None:
             self._table.write(dict(zip(self._names, table.T, strict=True)))
             return

@@ -81,6 +81,8 @@ class LiveNavigator:
         **begin: Unpack[Begin],
     ) -> None:
         require_place(begin)
+        if begin.get("rest") is not None:
+            raise InputError("rest: a live run cannot go back to take the bias out, leave it out")
         plan = make_plan(design, "live", begin)
         carrier = replace(plan.carrier, compiled=compiled)
         plan = replace(plan, carrier=carrier, split=True, realign=False)

@@ -13,6 +13,7 @@ from sculler.formats.gravity import gravity_model
 from sculler.formats.height import read_height_reference
 from sculler.runs.navigation import AgainstTruth, Carrier, Given, NavigationRun, Plan
 from sculler.runs.navigation.plan import DAMPING, refuse_contradictions
+from sculler.runs.navigation.rest import with_rest_bias
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
@@ -26,6 +27,7 @@ from sculler_model.navigation import (
     HeightReference,
     NavHistory,
     NavState,
+    RestBias,
     SensorNoise,
 )
 
@@ -90,6 +92,7 @@ class Navigated:
         breaks: where intervals were missing, as plain data.
         left_out: results of short history (status bit 0) that the run begins after.
         errors: figures against the truth, as `sculler navigate --json` gives them, or None.
+        rest: the gyros' biases seen in `rest`, which were taken out, or None.
 
     Examples:
         >>> import numpy as np, sculler
@@ -107,6 +110,7 @@ class Navigated:
     breaks: list[dict[str, float | int | str]] = field(default_factory=list)
     left_out: int = 0
     errors: Mapping[str, Any] | None = None
+    rest: RestBias | None = None
 
     @property
     def start(self) -> NavState:
@@ -148,6 +152,8 @@ class Begin(TypedDict, total=False):
     attitude: Literal["quaternion", "cosines"]
     level_every: int
     rotation: Literal["exact", "first-order"]
+    attitude_only: bool
+    rest: tuple[float, float] | None
 
 
 def _radians(value: float | None) -> float | None:
@@ -206,6 +212,8 @@ def make_plan(
         gravity=gravity_model(gravity) if isinstance(gravity, str) else gravity,
         noise=get("noise", ESTIMATED),
         engine=get("engine", "python"),
+        attitude_only=get("attitude_only", False),
+        rest=get("rest"),
     )
 
 
@@ -215,7 +223,7 @@ def require_place(asked: Begin) -> None:
     Raises:
         InputError: a part of it is missing.
     """
-    for name in ("lat", "lon", "height"):
+    for name in () if asked.get("attitude_only") else ("lat", "lon", "height"):
         if asked.get(name) is None:
             raise InputError(f"{name}: missing, say where the run begins")
 
@@ -261,6 +269,10 @@ def navigate(
             - `noise`: a `SensorNoise`, what is known of the sensors, for the alignment
             - other forms, to see what each is worth: `azimuth` "free", `attitude` "cosines",
               `level_every` (major intervals), `rotation` "first-order"
+            - `attitude_only`: carry no place, which then need not be given, and no velocity: both
+              are NaN; with `lat` the attitude is against the turning Earth, else against the stars
+            - `rest`: (begin, end), s, where the unit rests; the gyro bias seen there, less the
+              Earth's rate where the latitude is known, is taken out
             - `engine`: "python", or "c": the host in C, compiled here; the same numbers
 
     Returns:
@@ -284,16 +296,25 @@ def navigate(
     plan = replace(plan, split=breaks == "split")
     if truth is None:
         require_place(begin)
-    blocks: Iterable[VectorBlock]
     if isinstance(vectors, VectorBlock):
         _require_own(design, vectors)
-        blocks = [vectors]
-    else:
-        blocks = files.read_vectors(vectors, design, missing=True)
-    reference = None if truth is None else AgainstTruth(Path(truth), design.major_interval)
+
+    def blocks() -> Iterable[VectorBlock]:
+        if isinstance(vectors, VectorBlock):
+            return [vectors]
+        return files.read_vectors(vectors, design, missing=True)
+
+    def compared() -> AgainstTruth | None:
+        if truth is None:
+            return None
+        only = plan.attitude_only
+        return AgainstTruth(Path(truth), design.major_interval, attitude_only=only)
+
+    plan = with_rest_bias(plan, blocks, compared)
+    reference = compared()
     parts: list[NavHistory] = []
     run = NavigationRun(plan, parts.append, reference)
-    run.take(blocks)
+    run.take(blocks())
     seen = run.seen
     return Navigated(
         NavHistory.concatenate(parts),
@@ -303,4 +324,5 @@ def navigate(
         seen.breaks,
         seen.left_out,
         None if reference is None else reference.summary(),
+        plan.bias,
     )

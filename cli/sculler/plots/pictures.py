@@ -158,13 +158,31 @@ def navigation_pictures(
         legend(velocity)
         height.plot(t, history.h, color=BLUE)
         height.set(title="Height over the ellipsoid", ylabel="m", xlabel=axis.label)
-        angles = np.unwrap(np.degrees(history.euler), period=360, axis=0)  # no jump at ±180°
-        for k, (axes, name) in enumerate(zip(attitude, ("Roll", "Pitch", "Heading"), strict=True)):
-            axes.plot(t, angles[:, k], color=GREEN)
-            axes.set(title=name, ylabel="degrees", xlabel=axis.label)
-            if sigma is not None:
-                within(axes, t, angles[:, k], sigma[k])
+        _attitude(attitude, history, axis, sigma)
     return [path]
+
+
+def attitude_pictures(
+    history: NavHistory, output: Path, sigma: Sequence[float] | None = None
+) -> list[Path]:
+    """The attitude alone; the arguments are those of `navigation_pictures`."""
+    (path,) = navigation_picture_paths(output)
+    with new_figure(path, 15, 4.5) as figure:
+        panels = list(figure.subplots(1, 3, gridspec_kw={"wspace": 0.06}))
+        _attitude(panels, history, TimeAxis(history.time), sigma)
+    return [path]
+
+
+def _attitude(
+    panels: Sequence[Axes], history: NavHistory, axis: TimeAxis, sigma: Sequence[float] | None
+) -> None:
+    """Roll, pitch and heading, a panel each."""
+    angles = np.unwrap(np.degrees(history.euler), period=360, axis=0)  # no jump at ±180°
+    for k, (axes, name) in enumerate(zip(panels, ("Roll", "Pitch", "Heading"), strict=True)):
+        axes.plot(axis.t, angles[:, k], color=GREEN)
+        axes.set(title=name, ylabel="degrees", xlabel=axis.label)
+        if sigma is not None:
+            within(axes, axis.t, angles[:, k], sigma[k])
 
 
 def within(axes: Axes, t: Array, middle: Array, sigma: float) -> None:

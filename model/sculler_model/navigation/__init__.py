@@ -13,6 +13,12 @@ from sculler_model.navigation.alignment import (
     refuse_unfit_window,
 )
 from sculler_model.navigation.attitude_estimate import AttitudeEstimate
+from sculler_model.navigation.attitude_only import (
+    AttitudeNavigator,
+    RestBias,
+    RestWindow,
+    attitude_state,
+)
 from sculler_model.navigation.coasting import coasted
 from sculler_model.navigation.comparison import Comparison, Figures, LeftOut, Start
 from sculler_model.navigation.compiled import compiled_run
@@ -61,6 +67,7 @@ __all__ = [
     "NORTH_EAST_DOWN",
     "Alignment",
     "AttitudeEstimate",
+    "AttitudeNavigator",
     "Comparison",
     "Figures",
     "FineAlignment",
@@ -75,11 +82,14 @@ __all__ = [
     "NavHistory",
     "NavState",
     "Navigator",
+    "RestBias",
+    "RestWindow",
     "SensorNoise",
     "Start",
     "align",
     "align_finely",
     "alignment_warnings",
+    "attitude_state",
     "coasted",
     "compiled_run",
     "constant_gravity",

@@ -67,7 +67,8 @@ def known_quantities(truth: NavHistory) -> tuple[str, ...]:
 def navigation_errors(estimate: NavHistory, truth: NavHistory) -> NavErrors:
     """Errors of states at the same instants, estimate less truth.
 
-    A truth without position is taken to be at the estimate's place, so that its north is the same.
+    A truth without position is taken to be at the estimate's place, so that its north is the same;
+    so is an estimate without one.
 
     Args:
         estimate, truth: (N,) states each, at the same times; NaN all through in what the truth
@@ -77,8 +78,9 @@ def navigation_errors(estimate: NavHistory, truth: NavHistory) -> NavErrors:
         In the true north-east-down axes, at the truth's times.
     """
     if "position" not in known_quantities(truth):
-        told = replace(truth, lat=estimate.lat, lon=estimate.lon, h=estimate.h)
-        return replace(navigation_errors(estimate, told), position=np.full((len(truth), 3), np.nan))
+        place = {name: np.nan_to_num(getattr(estimate, name)) for name in ("lat", "lon", "h")}
+        found = navigation_errors(replace(estimate, **place), replace(truth, **place))
+        return replace(found, position=np.full((len(truth), 3), np.nan))
     level_e, level_t = _level_frame(estimate), _level_frame(truth)
     # the estimate's level frame against the true one, of which only the part about down is kept
     w, _, _, z = product(conjugate(level_t), level_e)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import radians
+from math import inf, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +24,27 @@ _ANGLES = ("roll", "pitch", "heading")
 _VELOCITIES = ("vn", "ve", "vd")
 _PLACE = ("lat", "lon", "height")
 _NOISE = ("gyro_noise", "accel_noise", "gyro_bias_sigma", "accel_bias_sigma")
+
+
+class Span(click.ParamType):  # type: ignore[type-arg]
+    """Two times, `A:B`."""
+
+    name = "span"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float]:
+        """Seconds."""
+        if isinstance(value, tuple):
+            return value
+        first, colon, last = str(value).partition(":")
+        try:
+            begin, end = float(first), float(last)
+        except ValueError:
+            colon = ""
+        if not colon or not begin < end < inf or begin == -inf:
+            self.fail(f"{value!r} is not a span, give A:B in seconds with A < B, as 10:70", param)
+        return begin, end
 
 
 def _numbers(*described: tuple[str, str], **settings: Any) -> list[Callable[[Command], Command]]:
@@ -86,6 +107,23 @@ alignment_options = group(
     ),
 )
 """How the attitude is found."""
+
+attitude_options = group(
+    click.option(
+        "--attitude-only",
+        is_flag=True,
+        help="Carry the attitude alone: no place, no velocity, no gravity. With --lat it is against"
+        " the turning Earth, else against the frame of the start among the stars.",
+    ),
+    click.option(
+        "--rest",
+        type=Span(),
+        metavar="A:B",
+        help="Take out the gyro bias that is seen from A to B seconds on the log's clock, where the"
+        " unit rests; less the Earth's rate where the latitude is known.",
+    ),
+)
+"""Attitude without a place, and biases at rest."""
 
 carrier_options = group(
     click.option(
@@ -247,7 +285,7 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
     axes = AxisMap.parse(options["axes"])
     refuse_contradictions(options, called=lambda name: f"--{name.replace('_', '-')}")
     noise, gravity = sensor_noise(options), gravity_model(options["gravity"])
-    if truth is None:
+    if truth is None and not options["attitude_only"]:
         require_place(options)
     reference, damping = _height_reference(options), options["height_damping"]
     if damping is None and reference is not None:
@@ -277,6 +315,8 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
         height_reference=reference,
         noise=noise,
         engine=options["engine"],
+        attitude_only=options["attitude_only"],
+        rest=options["rest"],
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,7 @@ class AgainstTruth:
     Args:
         path: the truth file.
         interval: a major interval, s.
+        attitude_only: look at nothing else that it tells.
 
     Attributes:
         passed_over: rows of the truth that were passed over because of NaN.
@@ -41,10 +43,12 @@ class AgainstTruth:
         InputError: the file cannot be read or has a fault.
     """
 
-    def __init__(self, path: Path, interval: float) -> None:
+    def __init__(self, path: Path, interval: float, *, attitude_only: bool = False) -> None:
         self.path = path
         self.passed_over = 0
         blocks = read_truth(path, passed_over=self._pass_over)
+        if attitude_only:
+            blocks = map(_attitude_of, blocks)
         self._comparison = Comparison(blocks, interval, str(path))
         self._estimate, self._truth = Thinned(), Thinned()
 
@@ -123,6 +127,12 @@ class AgainstTruth:
         """Estimate, truth and errors at not too many instants, for pictures."""
         estimate, truth = self._estimate.history(), self._truth.history()
         return estimate, truth, navigation_errors(estimate, truth)
+
+
+def _attitude_of(part: NavHistory) -> NavHistory:
+    """The same states, NaN in all but the attitude."""
+    nothing = np.full(len(part), np.nan)
+    return replace(part, v=np.full((len(part), 3), np.nan), lat=nothing, lon=nothing, h=nothing)
 
 
 def _scaled(figures: Figures, scale: float) -> dict[str, float]:

@@ -14,10 +14,12 @@ from sculler.plots.truth import truth_picture_paths, truth_pictures
 from sculler.runs.navigation.against_truth import AgainstTruth
 from sculler.runs.navigation.outcome import Outcome
 from sculler.runs.navigation.plan import Plan
+from sculler.runs.navigation.rest import with_rest_bias
 from sculler.runs.navigation.run import NavigationRun
 from sculler.runs.navigation.seen import Seen
 from sculler.words import Advance, silent
 from sculler_model import inputs
+from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
 from sculler_model.navigation import NavHistory
 from sculler_model.outputs import replacing
@@ -48,14 +50,29 @@ def navigate_file(
         InputError: a file has a fault, or the run cannot be made (see `NavigationRun.take`).
     """
     no_pictures = _claim_pictures(output, truth is not None) if pictures else None
-    reference = None if truth is None else AgainstTruth(truth, plan.design.major_interval)
+
+    def compared() -> AgainstTruth | None:
+        if truth is None:
+            return None
+        interval = plan.design.major_interval
+        return AgainstTruth(truth, interval, attitude_only=plan.attitude_only)
+
+    if plan.rest is not None:
+        if plan.name == "-" or (truth is not None and str(truth) == "-"):
+            raise InputError("--rest reads vectors and truth more than once, give files")
+        plan = with_rest_bias(
+            plan, lambda: read_vectors(plan.name, plan.design, missing=True), compared
+        )
+    reference = compared()
     shown = Thinned()
     with ExitStack() as stack:
         frames = None
         if telemetry is not None:
             frames = stack.enter_context(stack.enter_context(replacing(telemetry)).open("wb")).write
         temporary = stack.enter_context(replacing(output))
-        writer = stack.enter_context(HistoryWriter(temporary, wander=True))
+        writer = stack.enter_context(
+            HistoryWriter(temporary, wander=True, attitude_only=plan.attitude_only)
+        )
 
         def sink(part: NavHistory) -> None:
             writer.write(part)
@@ -66,7 +83,7 @@ def navigate_file(
         run.take(_advancing(blocks, advance))
     drawn = None
     if pictures and no_pictures is None:
-        drawn = _draw(output, shown, run.seen, reference)
+        drawn = _draw(output, shown, run.seen, reference, plan.attitude_only)
     return Outcome.of(plan, output, run.seen, reference, drawn, no_pictures)
 
 
@@ -87,11 +104,18 @@ def _claim_pictures(output: Path, with_truth: bool) -> str | None:
     return reason
 
 
-def _draw(output: Path, shown: Thinned, seen: Seen, reference: AgainstTruth | None) -> list[Path]:
+def _draw(
+    output: Path,
+    shown: Thinned,
+    seen: Seen,
+    reference: AgainstTruth | None,
+    attitude_only: bool,
+) -> list[Path]:
     """The pictures' files."""
     found = seen.fine or seen.alignment
     euler = None if found is None else [degrees(sigma) for sigma in found.euler_sigma]
-    drawn = plots.navigation_pictures(shown.history(), output, euler)
+    draw = plots.attitude_pictures if attitude_only else plots.navigation_pictures
+    drawn = draw(shown.history(), output, euler)
     if reference is not None and reference.instants > 1:
         sigma = None if found is None else found.sigma
         drawn += truth_pictures(*reference.shown(), reference.growth, output, sigma)

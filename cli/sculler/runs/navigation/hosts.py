@@ -13,6 +13,7 @@ from sculler_model.fast import VectorBlock
 from sculler_model.host import MajorIncrements, ThirdOrder, major_increments
 from sculler_model.navigation import (
     Alignment,
+    AttitudeNavigator,
     FineAlignment,
     Mechanisation,
     NavHistory,
@@ -80,11 +81,15 @@ class HostInPython:
     def navigator(self, start: NavState, reference_height: float) -> Mechanisation:
         """See `Host`."""
         plan = self._plan
+        if plan.attitude_only:
+            return AttitudeNavigator(start, plan.design.major_interval)
         damping = plan.damping(reference_height)
         return plan.carrier.begin(start, plan.design.major_interval, damping, plan.gravity)
 
     def coasted(self, state: NavState, seconds: float) -> NavState:
         """See `Host`."""
+        if self._plan.attitude_only:  # over the turning Earth if its rate is known, else still
+            return state._replace(time=state.time + seconds)
         return coasted(state, seconds)
 
     def aligned(self, window: MajorIncrements, lat: float, h: float) -> Alignment:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import cos, degrees, hypot, pi, sin
+from math import cos, degrees, hypot, isfinite, pi, sin
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from sculler.runs.navigation.plan import Plan
 from sculler.runs.navigation.seen import STATUSES, Seen
 from sculler.words import plural, warning_rows
 from sculler_model.frames import radii, to_euler
-from sculler_model.navigation import Alignment, FineAlignment, NavState, SensorNoise
+from sculler_model.navigation import Alignment, FineAlignment, NavState, RestBias, SensorNoise
 
 ANGLES = ("roll", "pitch", "heading")
 
@@ -66,7 +66,8 @@ class Outcome:
     @property
     def warnings(self) -> list[str]:
         """What to look at before trusting the run."""
-        return self.seen.warnings + ([] if self.no_pictures is None else [self.no_pictures])
+        rest = [] if self.plan.bias is None else list(self.plan.bias.warnings)
+        return rest + self.seen.warnings + ([] if self.no_pictures is None else [self.no_pictures])
 
     def as_json(self) -> dict[str, Any]:
         """As plain data."""
@@ -80,6 +81,8 @@ class Outcome:
         data["breaks"] = seen.breaks
         if plan.third_order:
             data["third_order"] = dict(zip(("corrected", "left"), seen.third_order, strict=True))
+        if plan.bias is not None:
+            data["rest"] = _rest_facts(plan.bias)
         data["engine"] = plan.engine
         data["gravity"] = str(plan.gravity)
         data["warnings"] = self.warnings
@@ -87,6 +90,11 @@ class Outcome:
             data["no_pictures"] = self.no_pictures
         fine_position = plan.design.high_resolution and plan.carrier.mechanisation == "wander"
         data["position_algorithm"] = "high-resolution" if fine_position else "trapezoidal"
+        if plan.attitude_only:
+            del data["gravity"], data["position_algorithm"]
+            lat = self.start.lat
+            data["attitude_only"] = True
+            data["earth_rate_at_lat_deg"] = degrees(lat) if isfinite(lat) else None
         if seen.fine is not None:
             data["alignment"] |= _fine_facts(seen.fine)
         if self.errors is not None:
@@ -98,23 +106,16 @@ class Outcome:
     def _motion(self) -> dict[str, Any]:
         """Where it went."""
         start, end = self.start, self.end
+        if self.plan.attitude_only:
+            return self._turned()
         meridian, prime_vertical = radii(sin(start.lat))
         north = (end.lat - start.lat) * (meridian + start.h)
         turned = (end.lon - start.lon + pi) % (2 * pi) - pi
         east = turned * (prime_vertical + start.h) * cos(start.lat)
-        seconds = end.time - start.time
-        angles = [degrees(angle) for angle in to_euler(start.q)]
-        end_angles = [degrees(angle) for angle in to_euler(end.q)]
-        heading_change = (end_angles[2] - angles[2] + 180) % 360 - 180
-        per_hour = 3600 / seconds if seconds else 0.0
-        return {
-            "design": self.plan.design.name,
-            "vectors": self.plan.name,
-            "output": str(self.output),
-            "start_s": start.time,
-            "seconds": seconds,
-            "start_attitude_deg": dict(zip(ANGLES, angles, strict=True)),
-            "end_attitude_deg": dict(zip(ANGLES, end_angles, strict=True)),
+        data = self._turned()
+        heading = {key: data.pop(key) for key in list(data) if key.startswith("heading_change")}
+        per_hour = 3600 / data["seconds"] if data["seconds"] else 0.0
+        return data | {
             "end_velocity": dict(zip(("north", "east", "down"), end.v, strict=True)),
             "end_position": {
                 "lat_deg": degrees(end.lat),
@@ -124,9 +125,38 @@ class Outcome:
             "moved_m": {"north": north, "east": east, "up": end.h - start.h},
             "moved_horizontally_m": hypot(north, east),
             "moved_horizontally_km_per_h": hypot(north, east) * per_hour / 1000,
-            "heading_change_deg": heading_change,
-            "heading_change_deg_per_h": heading_change * per_hour,
+            **heading,
         }
+
+    def _turned(self) -> dict[str, Any]:
+        """How it turned."""
+        start, end = self.start, self.end
+        seconds = end.time - start.time
+        angles = [degrees(angle) for angle in to_euler(start.q)]
+        end_angles = [degrees(angle) for angle in to_euler(end.q)]
+        heading_change = (end_angles[2] - angles[2] + 180) % 360 - 180
+        return {
+            "design": self.plan.design.name,
+            "vectors": self.plan.name,
+            "output": str(self.output),
+            "start_s": start.time,
+            "seconds": seconds,
+            "start_attitude_deg": dict(zip(ANGLES, angles, strict=True)),
+            "end_attitude_deg": dict(zip(ANGLES, end_angles, strict=True)),
+            "heading_change_deg": heading_change,
+            "heading_change_deg_per_h": heading_change * (3600 / seconds if seconds else 0.0),
+        }
+
+
+def _rest_facts(found: RestBias) -> dict[str, Any]:
+    """Biases seen at rest as plain data."""
+    return {
+        "from_s": found.begin,
+        "to_s": found.end,
+        "gyro_bias_deg_per_h": [degrees(rate) * 3600 for rate in found.bias],
+        "sigma_deg_per_h": [degrees(rate) * 3600 for rate in found.sigma],
+        "earth_rate_taken_off": found.earth,
+    }
 
 
 def _alignment_facts(found: Alignment) -> dict[str, Any]:
@@ -194,17 +224,51 @@ def told(data: Mapping[str, Any]) -> dict[str, str]:
             f" {data['start_s']:.15g} s, where the initial state holds"
         )
 
+    if "rest" in data:
+        rows["rest"] = _rest_told(data["rest"])
     if "third_order" in data:
         rows["third order"] = _third_order_told(**data["third_order"])
 
-    def attitude(angles: dict[str, float]) -> str:
-        return ", ".join(f"{name} {_four_places(angle)}°" for name, angle in angles.items())
-
-    moved, velocity, place = data["moved_m"], data["end_velocity"], data["end_position"]
     return rows | {
         "duration": f"{data['seconds']:,.6g} s from {data['start_s']:.15g} s on",
-        "start attitude": attitude(data["start_attitude_deg"]),
-        "end attitude": attitude(data["end_attitude_deg"]),
+        "start attitude": _angles_told(data["start_attitude_deg"]),
+        "end attitude": _angles_told(data["end_attitude_deg"]),
+        **(_attitude_told(data) if "attitude_only" in data else _place_told(data)),
+        **({"engine": "the host in C, compiled"} if data["engine"] == "c" else {}),
+        **(
+            {"gravity": data["gravity"], "position": _POSITION[data["position_algorithm"]]}
+            if "gravity" in data
+            else {}
+        ),
+        "wrote": ", ".join(data[key] for key in ("output", "telemetry") if key in data),
+        **(against_truth.facts(data["errors"]) if "errors" in data else {}),
+        **({"pictures": ", ".join(data["plots"])} if "plots" in data else {}),
+        **({"report": data["report"]} if "report" in data else {}),
+    }
+
+
+def _angles_told(angles: dict[str, float]) -> str:
+    return ", ".join(f"{name} {_four_places(angle)}°" for name, angle in angles.items())
+
+
+def _heading_told(data: Mapping[str, Any]) -> str:
+    change, rate = data["heading_change_deg"], data["heading_change_deg_per_h"]
+    return f"{_four_places(change)}°, {_four_places(rate)} °/h"
+
+
+def _attitude_told(data: Mapping[str, Any]) -> dict[str, str]:
+    """Of a run that carried the attitude alone."""
+    lat = data["earth_rate_at_lat_deg"]
+    against = "the stars: no latitude was given for the Earth's rate"
+    if lat is not None:
+        against = f"the turning Earth at latitude {lat:g}°"
+    return {"heading change": _heading_told(data), "attitude": f"against {against}"}
+
+
+def _place_told(data: Mapping[str, Any]) -> dict[str, str]:
+    """Where it went."""
+    moved, velocity, place = data["moved_m"], data["end_velocity"], data["end_position"]
+    return {
         "end velocity": ", ".join(f"{name} {_four_places(v)}" for name, v in velocity.items())
         + " m/s",
         "end position": f"lat {place['lat_deg']:.7f}°, lon {place['lon_deg']:.7f}°,"
@@ -212,16 +276,19 @@ def told(data: Mapping[str, Any]) -> dict[str, str]:
         "moved": ", ".join(f"{name} {metres:,.2f} m" for name, metres in moved.items()),
         "moved per hour": f"{data['moved_horizontally_km_per_h']:.4g} km/h horizontally, start to"
         " end",
-        "heading change": f"{_four_places(data['heading_change_deg'])}°,"
-        f" {_four_places(data['heading_change_deg_per_h'])} °/h",
-        **({"engine": "the host in C, compiled"} if data["engine"] == "c" else {}),
-        "gravity": data["gravity"],
-        "position": _POSITION[data["position_algorithm"]],
-        "wrote": ", ".join(data[key] for key in ("output", "telemetry") if key in data),
-        **(against_truth.facts(data["errors"]) if "errors" in data else {}),
-        **({"pictures": ", ".join(data["plots"])} if "plots" in data else {}),
-        **({"report": data["report"]} if "report" in data else {}),
+        "heading change": _heading_told(data),
     }
+
+
+def _rest_told(found: Mapping[str, Any]) -> str:
+    """Biases seen at rest, in words."""
+    biases = ", ".join(
+        f"{rate:+.4g} ± {sigma:.2g}"
+        for rate, sigma in zip(found["gyro_bias_deg_per_h"], found["sigma_deg_per_h"], strict=True)
+    )
+    earth = "less the Earth's rate" if found["earth_rate_taken_off"] else "the Earth's rate in it"
+    span = f"{found['from_s']:g} to {found['to_s']:g} s"
+    return f"{span}: gyro biases {biases} °/h in the body, {earth}; taken out"
 
 
 def _sigmas_told(found: Mapping[str, Any]) -> str:

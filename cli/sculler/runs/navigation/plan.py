@@ -21,7 +21,9 @@ from sculler_model.navigation import (
     Mechanisation,
     Navigator,
     NavState,
+    RestBias,
     SensorNoise,
+    attitude_state,
 )
 
 Three = tuple[float | None, float | None, float | None]
@@ -76,6 +78,17 @@ class Given(NamedTuple):
 def _filled(given: Three, other: tuple[float, float, float]) -> tuple[float, float, float]:
     a, b, c = (y if x is None else x for x, y in zip(given, other, strict=True))
     return a, b, c
+
+
+def completed(state: NavState, other: NavState) -> NavState:
+    """A state whose missing parts (NaN) another one tells."""
+    if not isfinite(state.q[0]):
+        state = state._replace(q=other.q)
+    if not isfinite(state.v[0]):
+        state = state._replace(v=other.v)
+    if not isfinite(state.lat):
+        state = state._replace(lat=other.lat, lon=other.lon, h=other.h)
+    return state
 
 
 ALTERNATIVES = "--azimuth, --attitude and --level-every"
@@ -150,6 +163,8 @@ DAMPING = 100.0
 """s, of a height that has a reference, if nothing else is said."""
 
 ANGLES, VELOCITIES = ("roll", "pitch", "heading"), ("vn", "ve", "vd")
+NEEDS_MORE = (*VELOCITIES, "height_damping", "height_reference", "telemetry")
+"""What attitude alone has no use for."""
 NOISE = ("noise", "gyro_noise", "accel_noise", "gyro_bias_sigma", "accel_bias_sigma")
 """What only an alignment looks at: of the library all in one, of the verb one by one."""
 
@@ -170,6 +185,21 @@ def refuse_contradictions(
     def given(name: str) -> bool:
         return asked.get(name) is not None
 
+    if asked.get("attitude_only"):
+        for name in NEEDS_MORE:
+            if given(name):
+                raise ContradictionError(
+                    f"{called(name)} is not for {called('attitude_only')}, which carries no"
+                    " velocity and no place; leave one out"
+                )
+        if given("align") and not given("lat"):
+            raise ContradictionError(
+                f"{called('align')} finds north by the Earth's rate, give {called('lat')} too"
+            )
+    if given("rest") and asked.get("fine"):
+        raise ContradictionError(
+            f"{called('rest')} and {called('fine')} both take out the gyros' bias, give one"
+        )
     align = called("align")
     if given("align"):
         for name in (*ANGLES, *VELOCITIES, "start"):
@@ -224,9 +254,12 @@ class Plan:
         realign: align anew after a break; else coast over it, and gather a window that a break
             cuts anew.
         engine: the host in Python, or the one in C that is generated, compiled and loaded.
+        attitude_only: carry the attitude alone, with the Earth's rate where a latitude is given.
+        rest: a window (s) in which the unit rests, to take the gyros' bias from; None for none.
+        bias: that was found there, to be taken out.
 
     Raises:
-        InputError: there is no such engine.
+        InputError: there is no such engine, or the window is empty.
         ContradictionError: the one in C, to be compiled by Numba.
     """
 
@@ -247,8 +280,17 @@ class Plan:
     noise: SensorNoise = ESTIMATED
     realign: bool = True
     engine: Literal["python", "c"] = "python"
+    attitude_only: bool = False
+    rest: tuple[float, float] | None = None
+    bias: RestBias | None = None
 
     def __post_init__(self) -> None:
+        if self.attitude_only and self.engine == "c":
+            raise ContradictionError("--attitude-only is for the engine python, leave one out")
+        if self.rest is not None and not self.rest[0] < self.rest[1]:
+            raise InputError(
+                f"--rest: {self.rest[0]:g} to {self.rest[1]:g} s is empty, give a later end"
+            )
         if self.engine not in ("python", "c"):
             raise InputError(f'engine: {self.engine!r} is not allowed, give "python" or "c"')
         if self.third_order:
@@ -259,6 +301,17 @@ class Plan:
             raise ContradictionError(
                 f"{ALTERNATIVES} and --rotation are for the engine python, leave them out"
             )
+
+    def initial(self, time: float, origin: NavState | None) -> NavState:
+        """The state to begin with; `origin` is what the truth tells of it.
+
+        Raises:
+            InputError: nobody tells the position.
+        """
+        if not self.attitude_only:
+            return self.given.state(time, origin)
+        somewhere = self.given._replace(place=(0.0, 0.0, 0.0), velocity=(None, None, None))
+        return attitude_state(time, somewhere.state(time, origin).q, self.given.place[0])
 
     def damping(self, first_height: float) -> HeightDamping | None:
         """What holds the height of a run that began at a height (m)."""

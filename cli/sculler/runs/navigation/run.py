@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from sculler.formats.tables import counting
 from sculler.runs.navigation.against_truth import AgainstTruth
 from sculler.runs.navigation.heights import HeightWatch
 from sculler.runs.navigation.hosts import host_of
-from sculler.runs.navigation.plan import Plan
+from sculler.runs.navigation.plan import Plan, completed
 from sculler.runs.navigation.seen import (
     ALIGNED,
     BEFORE,
@@ -36,6 +35,7 @@ from sculler_model.navigation import (
     Mechanisation,
     NavHistory,
     NavState,
+    attitude_state,
     trajectory,
 )
 
@@ -53,6 +53,7 @@ class NavigationRun:
         sink: told the states, the first one and those at the interval ends.
         reference: the truth, or None.
         telemetry: told the states as frames; None for no such.
+        watch: told the increments that are navigated with, and the states at their ends.
     """
 
     def __init__(
@@ -61,7 +62,9 @@ class NavigationRun:
         sink: Callable[[NavHistory], None],
         reference: AgainstTruth | None = None,
         telemetry: Callable[[bytes], object] | None = None,
+        watch: Callable[[MajorIncrements, NavHistory], None] | None = None,
     ) -> None:
+        self._watch = watch
         self._plan, self._sink, self._reference = plan, sink, reference
         self._telemetry, self._frames = telemetry, 0
         self._heights = HeightWatch(plan)
@@ -177,7 +180,7 @@ class NavigationRun:
                     f"{reference.path}: the truth has no state at {time:.15g} s, where --start"
                     " begins the run; give a time inside the truth"
                 )
-            return row, plan.given.state(time, None if start is None else start.state)
+            return row, plan.initial(time, None if start is None else start.state)
         start = None if reference is None else reference.start(begins)
         if start is not None:
             time = float(begins[start.row])
@@ -187,15 +190,15 @@ class NavigationRun:
                     f" {time:.15g} s, with which the run begins, is interpolated between two"
                 )
             if last is None:
-                return start.row, plan.given.state(time, start.state)
+                return start.row, plan.initial(time, start.state)
             # what the truth does not tell goes on as without it
             self._then(FROM_TRUTH)
-            return start.row, _completed(start.state, self._host.coasted(last, time - last.time))
+            return start.row, completed(start.state, self._host.coasted(last, time - last.time))
         time = float(begins[0])
         if reference is not None and not (last is not None and reference.ended(time)):
             return None  # it may begin later
         if last is None:
-            return 0, plan.given.state(time, None)
+            return 0, plan.initial(time, None)
         self._then(CARRIED)
         return 0, self._host.coasted(last, time - last.time)
 
@@ -267,11 +270,17 @@ class NavigationRun:
         self.seen.warnings += (self._bias or coarse).warnings
         if self.seen.start is not None:
             self._then(ALIGNED)
-        self._go(state._replace(time=float(window.times[-1])))
+        end = float(window.times[-1])
+        if plan.attitude_only:
+            state = attitude_state(end, state.q, place[0])
+        self._go(state._replace(time=end))
         return increments[wanted:]
 
     def _place(self) -> tuple[float, float, float]:
         """Where a unit at rest stands: as given, by the truth, or where the run has come to."""
+        if self._plan.attitude_only:
+            lat, _, h = self._plan.given.place
+            return lat or 0.0, 0.0, h or 0.0
         if self.seen.end is not None:
             return self.seen.end.lat, self.seen.end.lon, self.seen.end.h
         return self._plan.given.position(None if self._reference is None else self._reference.first)
@@ -281,7 +290,7 @@ class NavigationRun:
         plan = self._plan
         if self.seen.start is None:
             self.seen.start = state
-            if plan.align is None:  # which looks at the force itself
+            if plan.align is None and not plan.attitude_only:  # it looks at the force itself
                 self._first = FirstSeconds(state, self._T, plan.gravity, plan.axes)
         self._navigator = self._host.navigator(state, self.seen.start.h)
         self.seen.end = state
@@ -300,10 +309,14 @@ class NavigationRun:
             self._first.see(increments)
         if self._bias is not None:
             increments = self._bias.corrected(increments, self._T)
+        if self._plan.bias is not None:
+            increments = self._plan.bias.corrected(increments, self._T)
         before, start = navigator.state, self.seen.start
         for part in trajectory(navigator, [increments] if len(increments) else []):
             self._show(part, increments.status)
-            if start is not None:
+            if self._watch is not None:
+                self._watch(increments, part)
+            if start is not None and not self._plan.attitude_only:
                 self._heights.see(start, before, part, increments)
         self.seen.end = navigator.state
 
@@ -360,7 +373,9 @@ class NavigationRun:
     def height_warnings(self) -> list[str]:
         """What there is to say of a damped height so far."""
         start = self.seen.start
-        return [] if start is None else self._heights.warnings(start)
+        if start is None or self._plan.attitude_only:
+            return []
+        return self._heights.warnings(start)
 
     def _finish(self) -> None:
         plan, seen = self._plan, self.seen
@@ -392,14 +407,3 @@ class NavigationRun:
         if len(seen.breaks) > BREAKS_TOLD:
             seen.warnings.append(f"{plural(len(seen.breaks) - BREAKS_TOLD, 'more break')}")
         seen.warnings += self._oddities.finish()
-
-
-def _completed(state: NavState, other: NavState) -> NavState:
-    """A state whose missing parts (NaN) another one tells."""
-    if not isfinite(state.q[0]):
-        state = state._replace(q=other.q)
-    if not isfinite(state.v[0]):
-        state = state._replace(v=other.v)
-    if not isfinite(state.lat):
-        state = state._replace(lat=other.lat, lon=other.lon, h=other.h)
-    return state
