@@ -69,7 +69,10 @@ class ResultBus(wiring.Component):
         m.submodules.store = store = ResultStore(self.table.window, self.bus.depth)
         m.submodules.gate = gate = SampleGate(sum(port.bits for port in self._sample))
         core_rst = Signal(init=1)  # after reset the core's goes on for a clock
-        self._reset(m, f"{CORE}rst", core_rst)
+        resets = [core_rst]
+        if self.design.hardware.resets_at_once:  # what acts at once is read by no logic
+            resets.append(Signal(init=1, name="core_rst_sent"))
+        self._reset(m, f"{CORE}rst", resets[-1])
         m.d.comb += [
             store.restart.eq(core_rst),
             gate.hold.eq(core_rst),
@@ -84,12 +87,12 @@ class ResultBus(wiring.Component):
         self._samples(m, gate)
         stamps = self._stamps(m, gate, store, core_rst) if self.bus.time_stamps else None
         if self.bus.has_registers:
-            self._registers(m, gate, store, stamps, core_rst)
+            self._registers(m, gate, store, stamps, resets)
         else:
-            m.d.sync += core_rst.eq(0)
+            m.d.sync += [each.eq(0) for each in resets]
             m.d.comb += gate.enable.eq(1)
             if has_front(self.design):
-                self._reset(m, "front_rst", core_rst)
+                self._reset(m, "front_rst", resets[-1])
             self._packets(m, store)
         return m
 
@@ -169,10 +172,10 @@ class ResultBus(wiring.Component):
         gate: SampleGate,
         store: ResultStore,
         stamps: TimeStamps | None,
-        core_rst: Signal,
+        resets: list[Signal],
     ) -> None:
         m.submodules.registers = registers = RegisterFile(self.table)
-        m.d.sync += core_rst.eq(registers.control_reset_core)
+        m.d.sync += [each.eq(registers.control_reset_core) for each in resets]
         counts = [getattr(registers, f"inject_{p.name[7:]}_value") for p in self._sample[:-1]]
         fault = Signal()  # of the sample that is pushed
         with m.If(registers.inject_push_push):
