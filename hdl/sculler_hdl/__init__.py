@@ -48,11 +48,13 @@ if TYPE_CHECKING:
     from sculler_hdl.streams import StreamCore as StreamCore
     from sculler_hdl.streams import result_layout as result_layout
     from sculler_hdl.streams import sample_layout as sample_layout
+    from sculler_hdl.targets import BLOCK_ATTRIBUTES as BLOCK_ATTRIBUTES
     from sculler_hdl.targets import TARGETS as TARGETS
     from sculler_hdl.targets import Target as Target
     from sculler_hdl.targets import cell_models as cell_models
 
 _PLACES = {
+    "BLOCK_ATTRIBUTES": "targets",
     "ClockEnableInserter": "lib.clock_enable",
     "ClockedCore": "clocked",
     "PROPERTIES": "export.properties",
@@ -86,6 +88,7 @@ _PLACES = {
 }
 
 __all__ = [
+    "BLOCK_ATTRIBUTES",
     "PROPERTIES",
     "TARGETS",
     "ClockEnableInserter",

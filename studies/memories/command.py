@@ -9,6 +9,7 @@ from textwrap import fill
 import click
 
 from sculler import terminal
+from sculler_hdl import BLOCK_ATTRIBUTES
 from sculler_model.errors import InputError
 from sculler_model.outputs import make_folder, replacing
 from sculler_sim.place.tools import YOSYS
@@ -23,24 +24,27 @@ _ABOUT = (
     " cell is what Yosys says the memory goes to: **block** memory in bold, else memory of look-up"
     " tables; `logic`: it has found no place. `synth_sf2` knows no block memory. Left out are"
     " `synth_intel`, which stops with an error in its own brams_map_m9k.v, and the flows that are"
-    " not in the table."
+    " not in the table. Of NanoXplore's flow `memory_libmap` is the last command: the next takes"
+    " many minutes."
 )
 
 
 _OTHERS = (
-    "Vivado, Quartus, Radiant, Gowin and Libero were not at hand. They choose by the size of a"
-    " memory. Where one goes to look-up tables that should not, these attributes of their manuals"
-    " ask for block memory; the emitted text does not carry them."
+    "Memories of 4096 bits and more have attributes that ask for block memory, the three above"
+    " among them; of what is smaller the tool chooses. Yosys heeds the first of each, so the table"
+    " shows that each family's blocks can hold these memories. The other tools were not at hand:"
+    " what stands here is from their manuals. In Intel devices whose blocks are not M10K, Quartus"
+    " leaves the attribute out of account and chooses by size; so may Libero, which calls its"
+    ' block memory `syn_ramstyle = "lsram"`.'
 )
 
-_ATTRIBUTES = {
-    "Vivado (UG901)": 'ram_style = "block"',
-    "Quartus": 'ramstyle = "M10K"',
-    "Radiant": 'syn_ramstyle = "block_ram"',
-    "Gowin (SUG550)": 'syn_ramstyle = "block_ram"',
-    "Libero (Synplify Pro)": 'syn_ramstyle = "lsram"',
+_TOOLS = {
+    "`ram_style`, `rom_style`": "Vivado (UG901), Yosys",
+    "`ramstyle`, `romstyle`": "Quartus",
+    "`syn_ramstyle`": "Synplify Pro, Lattice's own, Gowin (SUG550)",
+    "`syn_romstyle`": "Lattice's own",
 }
-"""By tool; Quartus has the name of the family's block."""
+"""Who heeds which attribute."""
 
 
 @click.command(
@@ -106,13 +110,17 @@ def document(rows: Sequence[str]) -> str:
             "",
             *rows,
             "",
-            "## Other tools",
+            "## Attributes",
             "",
             fill(_OTHERS, documents.WIDTH),
             "",
-            "| tool | attribute of the register that is the memory |",
+            "| memory | attributes |",
             "|---|---|",
-            *(f"| {tool} | `(* {attribute} *)` |" for tool, attribute in _ATTRIBUTES.items()),
+            *(f"| {kind.upper()} | `{text}` |" for kind, text in BLOCK_ATTRIBUTES.items()),
+            "",
+            "| attribute | heeded by |",
+            "|---|---|",
+            *(f"| {attribute} | {tools} |" for attribute, tools in _TOOLS.items()),
             "",
         ]
     )

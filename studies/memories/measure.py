@@ -11,15 +11,28 @@ from sculler_hdl import generate
 from sculler_model.design import Design
 from sculler_sim.place.tools import YOSYS, ToolError
 
+_RAMS = "map_ram; memory_libmap -lib +/nanoxplore/rf_rams_{}.txt -lib +/nanoxplore/brams.txt"
+"""The flow's own next command; what comes after it in the flow takes many minutes."""
+
 FAMILIES: dict[str, tuple[str, str]] = {
     "Lattice ECP5": ("synth_ecp5", "map_ffram"),
     "Lattice iCE40": ("synth_ice40", "map_ffram"),
     "Lattice Nexus": ("synth_nexus", "map_ffram"),
     "Lattice MachXO2": ("synth_lattice -family xo2", "map_ffram"),
     "AMD 7 series": ("synth_xilinx -family xc7", "map_ffram"),
+    "AMD UltraScale+": ("synth_xilinx -family xcup", "map_ffram"),
     "Intel Cyclone V": ("synth_intel_alm -family cyclonev", "map_ffram"),
     "Gowin": ("synth_gowin", "map_ffram"),
     "Microchip SmartFusion2": ("synth_sf2", "map_ffs"),
+    "Microchip PolarFire": ("synth_microchip -family polarfire", "map_ffram"),
+    "NanoXplore NG-MEDIUM": (
+        "synth_nanoxplore -family medium",
+        _RAMS.format("m"),
+    ),
+    "NanoXplore NG-ULTRA": (
+        "synth_nanoxplore -family ultra",
+        _RAMS.format("u"),
+    ),
     "Cologne Chip GateMate": ("synth_gatemate", "map_ffram"),
     "Efinix": ("synth_efinix", "map_ffram"),
     "QuickLogic QLF K6N10F": ("synth_quicklogic -family qlf_k6n10f", "map_ffram"),

@@ -9,6 +9,7 @@ from amaranth import Cat, Module, Mux, Signal, unsigned
 from amaranth.lib import memory, wiring
 from amaranth.lib.wiring import In, Out
 
+from sculler_hdl.lib.block_memory import memory_attributes
 from sculler_hdl.plan.result_window import ResultWindow
 from sculler_model.design import STATUS_BITS
 from sculler_model.golden import WORD_BITS
@@ -71,8 +72,9 @@ class ResultStore(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
+        depth = self.depth << self.index_bits
         m.submodules.places = places = memory.Memory(
-            shape=unsigned(32), depth=self.depth << self.index_bits, init=[]
+            shape=unsigned(32), depth=depth, init=[], attrs=memory_attributes(depth, 32)
         )
         write, read = places.write_port(), places.read_port()
         data = Signal(32)  # behind the memory, whose own register is slow to show a word

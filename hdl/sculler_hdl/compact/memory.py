@@ -11,6 +11,7 @@ from amaranth import C, Cat, ClockSignal, Const, Instance, Module, Signal, Value
 from amaranth.lib import memory, wiring
 from amaranth.lib.wiring import In, Out
 
+from sculler_hdl.lib.block_memory import memory_attributes
 from sculler_hdl.targets import Target
 
 _TABLE_WORDS = 64
@@ -77,8 +78,12 @@ class BlockMemory(wiring.Component):
         return m
 
     def _inferred(self, m: Module) -> None:
+        depth = max(len(self.initial), 2)
         m.submodules.words = words = memory.Memory(
-            shape=unsigned(self.width), depth=max(len(self.initial), 2), init=self.initial
+            shape=unsigned(self.width),
+            depth=depth,
+            init=self.initial,
+            attrs=memory_attributes(depth, self.width),
         )
         read = words.read_port()
         m.d.comb += [read.addr.eq(self.address), read.en.eq(self.step)]

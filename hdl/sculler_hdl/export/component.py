@@ -109,6 +109,11 @@ def _modules(
                 ports if own else (),
                 () if own else parts[first[each]].note,
                 apart=[wire[1:] for wire, one in module.wires.items() if one.apart],
+                blocks={
+                    cell.memory: "ram" if cell.is_written else "rom"
+                    for cell in module.cells.values()
+                    if cell.block
+                },
                 initial=initial,
             )
         )

@@ -161,7 +161,7 @@ def _renamed(
         parameters = dict(cell.parameters)
         if "\\MEMID" in parameters:
             parameters["\\MEMID"] = '"\\\\' + _free("words", taken) + '"'
-        made.cells[new] = Cell(names.get(cell.kind, cell.kind), parameters, connections)
+        made.cells[new] = Cell(names.get(cell.kind, cell.kind), parameters, connections, cell.block)
     made.connections = [(changed(left), changed(right)) for left, right in module.connections]
     return made
 

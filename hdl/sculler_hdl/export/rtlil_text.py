@@ -46,11 +46,23 @@ class Cell:
         kind: `$add`, `$dff`, ..., or a module's name with a backslash.
         parameters: text by name.
         connections: signal by port.
+        block: whether it is a memory that is meant for block memory (`lib.block_memory`).
     """
 
     kind: str
     parameters: dict[str, str] = field(default_factory=dict)
     connections: dict[str, str] = field(default_factory=dict)
+    block: bool = False
+
+    @property
+    def memory(self) -> str:
+        """The name of the memory that it is."""
+        return self.parameters["\\MEMID"].strip('"').lstrip("\\")
+
+    @property
+    def is_written(self) -> bool:
+        """Whether a memory has ports to write."""
+        return int(self.parameters["\\WR_PORTS"]) > 0
 
 
 @dataclass
@@ -106,6 +118,7 @@ class Module:
             port = f" {wire.direction} {wire.place}" if wire.direction else ""
             lines.append(f"  wire width {wire.width}{port}{' signed' * wire.signed} {name}")
         for name, cell in self.cells.items():
+            lines += ['  attribute \\ram_style "block"'] * cell.block
             lines.append(f"  cell {cell.kind} {name}")
             lines += [f"    parameter {key} {value}" for key, value in cell.parameters.items()]
             lines += [f"    connect {port} {signal}" for port, signal in cell.connections.items()]
@@ -121,7 +134,7 @@ def read_modules(text: str) -> dict[str, Module]:
         ValueError: a line is none of those that this reads.
     """
     modules: dict[str, Module] = {}
-    module, cell, init, apart = Module(""), None, None, False
+    module, cell, init, apart, block = Module(""), None, None, False, False
     for line in text.splitlines():
         words = line.split(maxsplit=2)
         if not words or words[0] in ("autoidx", "end", "#"):
@@ -132,6 +145,7 @@ def read_modules(text: str) -> dict[str, Module]:
             found = _INIT.match(line)
             init = _bits(found["constant"]) if found else init
             apart = apart or words[1] == "\\keep"
+            block = block or words[1] == "\\ram_style"
         elif words[0] == "wire" and (made := _WIRE.match(line)):
             module.wires[made["name"]] = Wire(
                 int(made["width"] or 1),
@@ -143,7 +157,8 @@ def read_modules(text: str) -> dict[str, Module]:
             )
             init, apart = None, False
         elif words[0] == "cell":
-            cell = module.cells[words[2]] = Cell(words[1])
+            cell = module.cells[words[2]] = Cell(words[1], block=block)
+            block = False
         elif words[0] == "parameter" and cell is not None:
             key, value = line.removeprefix("    parameter ").rsplit(" ", 1)
             cell.parameters[key] = value

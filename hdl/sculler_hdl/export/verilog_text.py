@@ -8,7 +8,10 @@ make sure of it.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from types import MappingProxyType
+
+from sculler_hdl.targets import BLOCK_ATTRIBUTES
 
 _MODULE = re.compile(
     r"^module (?P<name>\w+)\((?P<ports>.*?)\);\n(?P<body>.*?)^endmodule$", re.M | re.S
@@ -77,6 +80,7 @@ def tidy(
     note: Sequence[str] = (),
     *,
     apart: Collection[str] = (),
+    blocks: Mapping[str, str] = MappingProxyType({}),
     initial: bool = True,
 ) -> str:
     """A module with its ports in its head.
@@ -86,6 +90,7 @@ def tidy(
         ports: order of the ports; those not told follow as they stand, clock and reset first.
         note: lines of a comment above it.
         apart: registers that synthesis is not to make one with equal ones.
+        blocks: which of `BLOCK_ATTRIBUTES` memories are that are meant for block memory, by name.
         initial: whether registers and memories get their initial values.
     """
     found = _MODULE.fullmatch(module)
@@ -114,6 +119,7 @@ def tidy(
             if kind == "reg":
                 heads[name] = heads[name].replace("output ", "output reg ")
         elif declared["words"]:
+            registers += [f"  {BLOCK_ATTRIBUTES[blocks[name]]}"] if name in blocks else []
             registers.append(f"  (* no_rw_check *) reg {width}{name}{declared['words']};")
         else:
             (registers if kind == "reg" else wires).append(f"  {mark}{kind} {width}{name};")

@@ -7,6 +7,7 @@ from amaranth.lib import memory, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.front.check import FrameCheck
+from sculler_hdl.lib.block_memory import memory_attributes
 from sculler_hdl.plan.front import FrontPlan
 
 
@@ -107,8 +108,9 @@ class FrameReceiver(wiring.Component):
     def _memory(self, m: Module) -> tuple[Signal, Value]:
         """Where the next byte goes, and the byte that was at `at` in the clock before."""
         end = Signal(range(self.plan.ring), name="end")
+        depth = self.plan.ring
         m.submodules.bytes = bytes_ = memory.Memory(
-            shape=unsigned(8), depth=self.plan.ring, init=[]
+            shape=unsigned(8), depth=depth, init=[], attrs=memory_attributes(depth, 8)
         )
         write, read = bytes_.write_port(), bytes_.read_port()
         m.d.comb += [

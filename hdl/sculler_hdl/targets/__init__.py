@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib.resources import files
 
-__all__ = ["TARGETS", "Target", "cell_models"]
+__all__ = ["BLOCK_ATTRIBUTES", "TARGETS", "Target", "cell_models"]
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,13 @@ TARGETS = {
     )
 }
 """By the design file's name."""
+
+
+BLOCK_ATTRIBUTES = {
+    "ram": '(* ram_style = "block", ramstyle = "M10K", syn_ramstyle = "block_ram" *)',
+    "rom": '(* rom_style = "block", romstyle = "M10K", syn_romstyle = "EBR" *)',
+}
+"""Of memories that are meant for block memory, for Vivado, Quartus, and Synplify and its like."""
 
 
 def cell_models() -> dict[str, str]:
