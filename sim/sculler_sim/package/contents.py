@@ -88,6 +88,8 @@ class Contents:
         anytime: inputs that come at any time, which the module synchronises.
         crossings: places in the module of the queues between its clocks.
         registers: what stands behind the interface that has addresses; None where none has.
+        interrupt: the port of that interface's interrupt, high while something waits; "" where
+            there is none.
     """
 
     design: Design
@@ -105,6 +107,7 @@ class Contents:
     anytime: tuple[str, ...] = ()
     crossings: tuple[str, ...] = ()
     registers: RegisterMap | None = None
+    interrupt: str = ""
 
     @property
     def name(self) -> str:
@@ -129,8 +132,12 @@ class Contents:
 
     @property
     def bare_ports(self) -> tuple[Port, ...]:
-        """The ports that are neither clock nor reset nor of a standard interface."""
-        taken = {*(reset.port for reset in self.resets), *(clock.port for clock in self.clocks)}
+        """The ports that are neither clock nor reset nor interrupt nor of a standard interface."""
+        taken = {
+            self.interrupt,
+            *(reset.port for reset in self.resets),
+            *(clock.port for clock in self.clocks),
+        }
         taken |= {port for interface in self.interfaces for port in interface.ports.values()}
         return tuple(port for port in self.ports if port.name not in taken)
 

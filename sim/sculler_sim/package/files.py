@@ -58,5 +58,7 @@ def _unit_texts(
     return {
         f"{held.name}.core": fusesoc_core(held),
         **{f"{held.name}_ipxact_{year}.xml": ipxact_component(held, year) for year in YEARS},
+        f"{held.name}_vivado.tcl": vivado_script(held),
+        f"{held.name}_hw.tcl": quartus_script(held),
         **constraints(held),
     }

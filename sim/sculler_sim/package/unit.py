@@ -71,6 +71,7 @@ def unit_contents(
         anytime=tuple(port for port in ("pulse", *pins) if port in names),
         crossings=_crossings(bus) if len(clocks) > 1 else (),
         registers=RegisterMap(design) if bus.has_registers else None,
+        interrupt="irq" if bus.has_registers and bus.result in _STANDARD else "",
     )
 
 

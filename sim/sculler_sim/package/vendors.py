@@ -1,7 +1,7 @@
-"""Scripts that make the core a component of Vivado's IP catalogue and of Platform Designer.
+"""Scripts that make core or unit a component of Vivado's IP catalogue and of Platform Designer.
 
 Sources: AMD UG835 (Vivado Tcl commands, `ipx::`), UG1118 (packaging); Intel's "Platform Designer
-Component Interface Tcl Reference".
+Component Interface Tcl Reference" and, for roles of AXI and APB, its "Interface Specifications".
 """
 
 from __future__ import annotations
@@ -9,13 +9,24 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from sculler_hdl import Port
-from sculler_sim.package.contents import LIBRARY, VENDOR, Contents, Interface
+from sculler_sim.package.contents import LIBRARY, VENDOR, Clock, Contents, Interface, Kind, Reset
 
-_VIVADO_TYPES = {"axi-stream": ("xilinx.com:interface:axis", "master")}
-"""Bus definition of an interface without its version, and the mode of ours."""
+_VIVADO_TYPES: Mapping[Kind, str] = {
+    "axi-stream": "xilinx.com:interface:axis",
+    "axi-lite": "xilinx.com:interface:aximm",
+    "apb": "xilinx.com:interface:apb",
+}
+"""Bus definition of an interface, without its version."""
 
-_QUARTUS_TYPES = {"axi-stream": "axi4stream start"}
-"""Type of an interface, and the direction of ours."""
+_QUARTUS_TYPES: Mapping[Kind, str] = {
+    "axi-stream": "axi4stream",
+    "axi-lite": "axi4lite",
+    "apb": "apb",
+}
+"""Type of an interface."""
+
+_MAP_BYTES = 4096
+"""Addresses of the registers."""
 
 
 def vivado_script(contents: Contents) -> str:
@@ -40,9 +51,10 @@ def vivado_script(contents: Contents) -> str:
         f"set_property display_name {{{name}}} $core",
         f"set_property description {{{contents.summary}}} $core",
         "ipx::remove_all_bus_interface $core",
-        *_vivado_reset(contents),
-        *_vivado_clocks(contents),
+        *(line for each in contents.resets for line in _vivado_reset(each)),
+        *(line for pair in _domains(contents) for line in _vivado_clock(contents, *pair)),
         *(line for each in contents.interfaces for line in _vivado_bus(each)),
+        *_vivado_interrupt(contents.interrupt),
         "ipx::create_xgui_files $core",
         "ipx::update_checksums $core",
         "ipx::check_integrity $core",
@@ -52,27 +64,43 @@ def vivado_script(contents: Contents) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _vivado_reset(contents: Contents) -> Iterable[str]:
-    reset = contents.reset
+def _domains(contents: Contents) -> Iterable[tuple[Clock, Reset]]:
+    """Each clock with its reset."""
+    return zip(contents.clocks, contents.resets, strict=True)
+
+
+def _vivado_reset(reset: Reset) -> Iterable[str]:
     ports, parameters = {"RST": reset.port}, {"POLARITY": f"ACTIVE_{reset.active.upper()}"}
     return _vivado(reset.port, "xilinx.com:signal:reset", "slave", ports, parameters)
 
 
-def _vivado_clocks(contents: Contents) -> Iterable[str]:
-    for clock in contents.clocks:
-        mine = [each.name for each in contents.interfaces if each.clock == clock.port]
-        parameters = {"FREQ_HZ": str(round(clock.mhz * 1e6))}
-        if mine:
-            parameters["ASSOCIATED_BUSIF"] = ":".join(mine)
-        if clock == contents.clocks[0]:
-            parameters["ASSOCIATED_RESET"] = contents.reset.port
-        ports = {"CLK": clock.port}
-        yield from _vivado(clock.port, "xilinx.com:signal:clock", "slave", ports, parameters)
+def _vivado_clock(contents: Contents, clock: Clock, reset: Reset) -> Iterable[str]:
+    mine = [each.name for each in contents.interfaces if each.clock == clock.port]
+    parameters = {"FREQ_HZ": str(round(clock.mhz * 1e6))}
+    if mine:
+        parameters["ASSOCIATED_BUSIF"] = ":".join(mine)
+    parameters["ASSOCIATED_RESET"] = reset.port
+    return _vivado(clock.port, "xilinx.com:signal:clock", "slave", {"CLK": clock.port}, parameters)
 
 
 def _vivado_bus(interface: Interface) -> Iterable[str]:
-    vlnv, mode = _VIVADO_TYPES[interface.kind]
-    return _vivado(interface.name, vlnv, mode, interface.ports, {})
+    """An interface; one that has addresses with the place of the registers."""
+    vlnv, mode = _VIVADO_TYPES[interface.kind], "master" if interface.gives else "slave"
+    parameters = {"PROTOCOL": "AXI4LITE"} if interface.kind == "axi-lite" else {}
+    yield from _vivado(interface.name, vlnv, mode, interface.ports, parameters)
+    if interface.kind != "axi-stream":
+        yield f"set map [ipx::add_memory_map {interface.name} $core]"
+        yield f"set_property slave_memory_map_ref {interface.name} $bus"
+        yield "set block [ipx::add_address_block registers $map]"
+        yield f"set_property range {_MAP_BYTES} $block"
+        yield "set_property width 32 $block"
+        yield "set_property usage register $block"
+
+
+def _vivado_interrupt(port: str) -> Iterable[str]:
+    if port:
+        ports, parameters = {"INTERRUPT": port}, {"SENSITIVITY": "LEVEL_HIGH"}
+        yield from _vivado(port, "xilinx.com:signal:interrupt", "master", ports, parameters)
 
 
 def _vivado(
@@ -91,8 +119,6 @@ def _vivado(
 def quartus_script(contents: Contents) -> str:
     """NAME_hw.tcl: the core as a component of Platform Designer, found where it lies."""
     name, clock, reset = contents.name, contents.clocks[0].port, contents.reset.port
-    edges = "DEASSERT" if contents.reset.at_once else "BOTH"
-    role = "reset" if contents.reset.active_high else "reset_n"
     lines = [
         f"# {contents.top} as a component of Platform Designer, generated by sculler.",
         "# Add this folder to the project's IP search path.",
@@ -107,29 +133,33 @@ def quartus_script(contents: Contents) -> str:
         f"add_fileset_file {name}.sdc SDC PATH {name}.sdc",
         *_quartus_files(contents, "SIM_VERILOG", contents.models),
     ]
-    for each in contents.clocks:
-        lines += [
-            f"add_interface {each.port} clock end",
-            f"set_interface_property {each.port} clockRate {round(each.mhz * 1e6)}",
-            f"add_interface_port {each.port} {each.port} clk Input 1",
-        ]
-    lines += [
-        f"add_interface {reset} reset end",
-        f"set_interface_property {reset} associatedClock {clock}",
-        f"set_interface_property {reset} synchronousEdges {edges}",
-        f"add_interface_port {reset} {reset} {role} Input 1",
-    ]
+    for pair in _domains(contents):
+        lines += _quartus_domain(*pair)
     ports = {port.name: port for port in contents.ports}
     for interface in contents.interfaces:
-        lines += _quartus_associated(
-            interface.name, _QUARTUS_TYPES[interface.kind], interface.clock, interface.reset
-        )
+        kind = f"{_QUARTUS_TYPES[interface.kind]} {'start' if interface.gives else 'end'}"
+        lines += _quartus_associated(interface.name, kind, interface.clock, interface.reset)
         for logical, physical in interface.ports.items():
             lines.append(_quartus_port(interface.name, ports[physical], logical.lower()))
+        if contents.interrupt and not interface.gives and interface.kind != "axi-stream":
+            lines += _quartus_interrupt(interface, ports[contents.interrupt])
     if contents.bare_ports:
         lines += _quartus_associated("pins", "conduit end", clock, reset)
         lines += [_quartus_port("pins", port, port.name) for port in contents.bare_ports]
     return "\n".join(lines) + "\n"
+
+
+def _quartus_domain(clock: Clock, reset: Reset) -> Iterable[str]:
+    """A clock and its reset."""
+    yield f"add_interface {clock.port} clock end"
+    yield f"set_interface_property {clock.port} clockRate {round(clock.mhz * 1e6)}"
+    yield f"add_interface_port {clock.port} {clock.port} clk Input 1"
+    edges = "DEASSERT" if reset.at_once else "BOTH"
+    role = "reset" if reset.active_high else "reset_n"
+    yield f"add_interface {reset.port} reset end"
+    yield f"set_interface_property {reset.port} associatedClock {clock.port}"
+    yield f"set_interface_property {reset.port} synchronousEdges {edges}"
+    yield f"add_interface_port {reset.port} {reset.port} {role} Input 1"
 
 
 def _quartus_files(contents: Contents, kind: str, models: Iterable[str]) -> Iterable[str]:
@@ -143,6 +173,14 @@ def _quartus_associated(name: str, kind: str, clock: str, reset: str) -> Iterabl
     yield f"add_interface {name} {kind}"
     yield f"set_interface_property {name} associatedClock {clock}"
     yield f"set_interface_property {name} associatedReset {reset}"
+
+
+def _quartus_interrupt(interface: Interface, port: Port) -> Iterable[str]:
+    """The interrupt of the registers behind an interface."""
+    kind = "interrupt end"
+    yield from _quartus_associated(port.name, kind, interface.clock, interface.reset)
+    yield f"set_interface_property {port.name} associatedAddressablePoint {interface.name}"
+    yield _quartus_port(port.name, port, "irq")
 
 
 def _quartus_port(interface: str, port: Port, role: str) -> str:
