@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from against_golden import assert_same, golden, in_chunks
+from higher_order_designs import HIGHER_ORDER
 from position_designs import HIGH_RESOLUTION, furthest
 from sculler_model.design import STATUS_RAIL, Design
 from sculler_model.errors import InputError
@@ -27,8 +28,9 @@ WIDER = {
     ),
     "a_long_interval": make_design("a_long_interval", 1, 1, 4096, (8, 9)),
 }
-ALL = {**DESIGNS, **HIGH_RESOLUTION, **WIDER}
-QUICK = [name for name in ALL if component_limbs(ALL[name]) == 1 and name != "a_long_interval"]
+SECOND = {**DESIGNS, **HIGH_RESOLUTION, **WIDER}
+ALL = {**SECOND, **HIGHER_ORDER}
+QUICK = [name for name in SECOND if component_limbs(ALL[name]) == 1 and name != "a_long_interval"]
 QUICK += ["wide_5p0", "rate_4p1"]
 
 

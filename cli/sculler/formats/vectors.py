@@ -162,7 +162,7 @@ def _told(design: Design) -> str:
     """What its columns depend on."""
     if design.order > 2:
         return f"order = {design.order}"
-    return f'position = "{design.algorithm.position}"'
+    return f'position = "{design.algorithm.position or "trapezoidal"}"'
 
 
 class _Checks:

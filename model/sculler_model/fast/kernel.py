@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from sculler_model.algorithms import scrolling_weights_total
 from sculler_model.design import Design, Interval
-from sculler_model.fast import lanes
+from sculler_model.fast import kernel_orders, lanes
 from sculler_model.fast.blocks import component_limbs
 from sculler_model.fast.lanes import (
     DIGIT_BITS,
@@ -94,6 +94,10 @@ class Kernel:
             sums = max(2 * scrolling_weights_total(samples), 4096 * samples**2)
             self._position = (samples, like(counts.repeated(sums)), (0,) * limbs)
 
+        self._higher: tuple[Any, ...] = ()
+        if design.order > 2:
+            self._higher = kernel_orders.arguments(design, like, _terms, limbs)
+
     def __call__(
         self, counts: NDArray[Any], first: int, results: Rows, rails: NDArray[np.bool_]
     ) -> int:
@@ -115,6 +119,8 @@ class Kernel:
         done: int = _vectors(counts, first, *self._arguments, results, rails)
         if self._position:
             _position(counts, first, *self._position, results[:done])
+        if self._higher:
+            kernel_orders.higher(counts, first, *self._higher, results[:done])
         return done
 
 

@@ -35,6 +35,9 @@ THREADS = min(os.cpu_count() or 1, 4)
 WORTH_COMPILING = 2_000_000
 """Samples that numpy takes as long for as Numba takes to be loaded, for designs of some widths."""
 
+WORTH_COMPILING_ORDERS = 200_000
+"""The same for third and fourth order, which numpy has in Python's integers."""
+
 ROW = 256
 """Samples side by side where extremes are sought: numpy is quick along long rows."""
 
@@ -69,7 +72,7 @@ class FastModel:
         few_minors: see `Arithmetic`; makes none either.
         threads: blocks computed at the same time; `THREADS` if left out.
         compiled: whether to go through Numba; if left out, where it is installed and there have
-            been `WORTH_COMPILING` samples.
+            been `WORTH_COMPILING` samples, with third and fourth order `WORTH_COMPILING_ORDERS`.
         expected: samples that will come, if known; so many need not be waited for.
 
     Attributes:
@@ -77,8 +80,7 @@ class FastModel:
         samples: samples accepted since reset.
 
     Raises:
-        InputError: `compiled` is asked for without Numba, or for a design of third or fourth order,
-            which only numpy computes.
+        InputError: `compiled` is asked for without Numba.
     """
 
     def __init__(
@@ -100,8 +102,6 @@ class FastModel:
         self._kernel: Kernel | None = None
         self._taken = 0  # samples, whether or not reset
         self._expected = expected
-        if compiled and design.order > 2:
-            raise InputError(f"the compiled model has no order = {design.order}, leave it out")
         if compiled:
             kernel = kernel_class()
             if kernel is None:
@@ -124,8 +124,11 @@ class FastModel:
     @property
     def lacks_numba(self) -> bool:
         """Whether there were samples enough to be compiled for, but Numba is missing."""
-        worth = self._taken >= WORTH_COMPILING and self.design.order == 2
-        return worth and kernel_class() is None
+        return self._taken >= self._worth_compiling and kernel_class() is None
+
+    @property
+    def _worth_compiling(self) -> int:
+        return WORTH_COMPILING if self.design.order == 2 else WORTH_COMPILING_ORDERS
 
     def feed(self, counts: ArrayLike, faults: ArrayLike | None = None) -> VectorBlock:
         """Take consecutive samples and return the major intervals they complete.
@@ -264,8 +267,7 @@ class FastModel:
 
     def _kernel_if_worth(self, rows: _Rows) -> Kernel | None:
         """The kernel, if Numba is there and with these samples there are enough."""
-        worth = max(self._taken + len(rows.counts), self._expected) >= WORTH_COMPILING
-        worth = worth and self.design.order == 2
+        worth = max(self._taken + len(rows.counts), self._expected) >= self._worth_compiling
         if self._kernel is None and self._compiled is None and worth:
             kernel = kernel_class()
             self._kernel = None if kernel is None else kernel(self.design)
