@@ -15,6 +15,7 @@ from sculler_model.errors import InputError
     epilog=terminal.examples(
         "sculler generate examples/stim300_4x5.toml -o build/stim300_4x5",
         "sculler generate examples/stim300_4x5.toml --package --clock-mhz 100",
+        "sculler generate examples/stim300_4x5.toml --data-sheet --placed build/placed",
     ),
 )
 @terminal.design_argument
@@ -62,6 +63,18 @@ from sculler_model.errors import InputError
     metavar="BOARD",
     help="With --package: write a top level too, with pins and Makefile; ulx3s or icebreaker.",
 )
+@click.option(
+    "--data-sheet",
+    "data_sheet",
+    is_flag=True,
+    help="Write NAME_datasheet.html too: figures, ports, registers, timing diagrams of a run.",
+)
+@click.option(
+    "--placed",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="With --data-sheet: where `place -o` has left its report; area and clock rate are its.",
+)
 @terminal.json_option
 def command(
     design_name: str,
@@ -72,6 +85,8 @@ def command(
     clock_mhz: float | None,
     bus_clock_mhz: float | None,
     board: str | None,
+    data_sheet: bool,
+    placed: Path | None,
     as_json: bool,
 ) -> None:
     """Write the core of DESIGN as plain Verilog-2001.
@@ -85,7 +100,8 @@ def command(
     come NAME.core for FuseSoC, IP-XACT descriptions, scripts for Vivado and Platform Designer,
     constraints (SDC, XDC, PDC, LPF) and test_NAME.py for cocotb, with a bus files of its unit too
     (NAME_unit.core and so on, registers as a memory map), with --board a top level with its
-    pins and a Makefile that makes the bitstream.  With --hdl amaranth comes NAME.py
+    pins and a Makefile that makes the bitstream.  With --data-sheet comes NAME_datasheet.html,
+    whose timing diagrams NAME_timing.json has for WaveDrom.  With --hdl amaranth comes NAME.py
     alone.  The same design gives the same bytes.
     """
     from sculler.runs.hardware import Outcome, Source, write_amaranth, write_hardware
@@ -100,6 +116,8 @@ def command(
             "--clock-mhz": clock_mhz,
             "--bus-clock-mhz": bus_clock_mhz,
             "--board": board,
+            "--data-sheet": data_sheet,
+            "--placed": placed,
         }
         for option, given in options.items():
             if given:
@@ -110,6 +128,14 @@ def command(
     else:
         with terminal.progress("generating", None):
             outcome = write_hardware(
-                design, folder, host == "c", packaged, clock_mhz, board, bus_clock_mhz
+                design,
+                folder,
+                host == "c",
+                packaged,
+                clock_mhz,
+                board,
+                bus_clock_mhz,
+                data_sheet,
+                placed,
             )
     terminal.report(outcome.as_json(), as_json, terminal.facts(outcome.told()))

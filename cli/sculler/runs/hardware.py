@@ -13,6 +13,7 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.outputs import gathering, make_folder, replacing
 from sculler_sim.package.contents import CLOCK_MHZ
+from sculler_sim.package.datasheet import data_sheet_texts, read_report
 from sculler_sim.package.files import package_texts
 from sculler_sim.testbench import write_testbench
 
@@ -127,6 +128,8 @@ def write_hardware(
     clock_mhz: float | None = None,
     board: str | None = None,
     bus_clock_mhz: float | None = None,
+    data_sheet: bool = False,
+    placed: Path | None = None,
 ) -> Outcome:
     """Write Verilog, manifest and test bench of a design; they appear together.
 
@@ -140,24 +143,32 @@ def write_hardware(
         board: name of a board to write a top level for, with the package.
         bus_clock_mhz: clock rate of the bus in the package's constraints, where it has a clock of
             its own; if left out, the core's.
+        data_sheet: write a page that says what the core is, with timing diagrams of a run.
+        placed: where `sculler place -o` has left its report, for area and clock rate in that page.
 
     Raises:
         InputError: the folder cannot be made or written to; a clock rate that is none, is not the
             front end's; that or a board is given without a package; no such board, or the design
-            is none for it; the extra `package` is not installed.
+            is none for it; the extra `package` is not installed; no report of this design.
+        ToolError: the core, simulated for the page, is not as the cycle model says.
     """
     given = {"--clock-mhz": clock_mhz, "--board": board, "--bus-clock-mhz": bus_clock_mhz}
     for option, value in given.items():
         if value is not None and not packaged:
             raise InputError(f"{option} belongs to --package, give both or neither")
+    if placed is not None and not data_sheet:
+        raise InputError("--placed belongs to --data-sheet, give both or neither")
     bus = design.hardware.bus
     if bus_clock_mhz is not None and (bus is None or bus.clock == "same"):
         raise InputError(
             "--bus-clock-mhz: the design's bus has no clock of its own, leave the option out or"
             ' give hardware.bus.clock = "separate"'
         )
+    report = None if placed is None else read_report(placed, design)
     generated = generate(design)
     texts = texts_of(generated)
+    if data_sheet:
+        texts |= data_sheet_texts(generated, report)
     if host_in_c:
         texts |= host_texts(design) | library_texts()
     if packaged:
