@@ -39,6 +39,8 @@ FAST = RAW.replace("wide.toml", "fast.toml")
 HDF5 = RAW + " --gyro-unit rad/s --accel-unit m/s2"
 NAVIGATE = "navigate inc.toml {} -o out.csv --no-plots --lat 47 --lon 8 --height 400"
 ATTITUDE = "navigate inc.toml {} -o out.csv --no-plots --attitude-only --lat 47 --rest 2:9"
+CALIBRATED = COUNTS.format("log.csv") + " --calibration {}"
+RESULTS = NAVIGATE.format("vectors.csv") + " --calibration {}"
 TRUTH = "navigate inc.toml vectors.csv -o out.csv --no-plots --truth {}"
 MOTION = "motion {} -o out.csv --truth t.csv --duration=1"
 ADVISE = "advise inc.toml --spectrum {} --drift 0.01 -o out.toml"
@@ -73,6 +75,8 @@ TARGETS = (
     Target("vectors-npz", "hires.npz", NAVIGATE.replace("inc.toml", "hires.toml")),
     Target("vectors-parquet", "vectors.parquet", NAVIGATE.replace("out.csv", "out.npz")),
     Target("vectors-align", "rest.csv", NAVIGATE + " --align 11 --fine", 2),
+    Target("calibration", "calibration.toml", CALIBRATED, 4),
+    Target("calibration-results", "linear.toml", RESULTS, 4),
     Target("vectors-attitude", "rest.csv", ATTITUDE, 4),
     Target("vectors-hires", "hires.csv", NAVIGATE.replace("inc.toml", "hires.toml")),
     Target("vectors-report", "vectors.csv", NAVIGATE.replace("--no-plots", "--report r.html"), 20),
@@ -182,6 +186,9 @@ def examples(folder: Path) -> dict[str, bytes]:
     (folder / "response.csv").write_text(
         "freq_hz,gain\n" + "".join(f"{f},{1 / (1 + (f / 60) ** 2):.6f}\n" for f in range(0, 60, 5))
     )
+    linear = "[gyro]\nbias = [1.0, 2.0, -3.0]\nmisalignment = [1, 2, 3, 4, 5, 6]\n"
+    (folder / "linear.toml").write_text(linear + "[accel]\nscale_factor = 100.0\n")
+    (folder / "calibration.toml").write_text("delay_samples = 0.5\n" + linear)
     (folder / "campaign.toml").write_text(
         'runs = 2\nseconds = 0.5\n[motion]\nname = "turn"\n[[design]]\nfile = "inc.toml"\n'
         "errors = { gyro = { random_walk = 0.1, bias = { sigma = 2 } } }\n"

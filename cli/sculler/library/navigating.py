@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
 
 from sculler.formats import vectors as files
+from sculler.formats.calibration import read_calibration
 from sculler.formats.gravity import gravity_model
 from sculler.formats.height import read_height_reference
 from sculler.runs.navigation import AgainstTruth, Carrier, Given, NavigationRun, Plan
@@ -30,6 +31,7 @@ from sculler_model.navigation import (
     RestBias,
     SensorNoise,
 )
+from sculler_model.samples import Calibration
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -154,6 +156,7 @@ class Begin(TypedDict, total=False):
     rotation: Literal["exact", "first-order"]
     attitude_only: bool
     rest: tuple[float, float] | None
+    calibration: str | Path | Calibration | None
 
 
 def _radians(value: float | None) -> float | None:
@@ -181,6 +184,9 @@ def make_plan(
             )
     get = cast("dict[str, Any]", asked).get
     refuse_contradictions({**asked, "start": start, "stop": stop})
+    known = get("calibration")
+    if isinstance(known, str | Path):
+        known = read_calibration(Path(known))
     gravity, reference = get("gravity", "normal"), get("height_reference")
     lag, noise = get("height_lag") or 0.0, get("height_noise") or 0.0
     if isinstance(reference, str | Path):
@@ -214,6 +220,7 @@ def make_plan(
         engine=get("engine", "python"),
         attitude_only=get("attitude_only", False),
         rest=get("rest"),
+        calibration=known,
     )
 
 
@@ -273,6 +280,8 @@ def navigate(
               are NaN; with `lat` the attitude is against the turning Earth, else against the stars
             - `rest`: (begin, end), s, where the unit rests; the gyro bias seen there, less the
               Earth's rate where the latitude is known, is taken out
+            - `calibration`: a calibration file, or a `sculler_model.samples.Calibration`: known
+              errors of the sensor, which are taken out
             - `engine`: "python", or "c": the host in C, compiled here; the same numbers
 
     Returns:

@@ -1,6 +1,7 @@
 """What the host makes of a core's integers: Φ, α, ΔV_SF and ΔR_SF of each major interval.
 
-`major_increments` is the whole of it.  It imports `algorithms`, `design`, `fast` and `frames`.
+`major_increments` is the whole of it; `calibrated` takes known errors of the sensor out.  It
+imports `algorithms`, `design`, `fast`, `frames` and `samples`.
 """
 
 from sculler_model.host.compensation import (
@@ -13,6 +14,7 @@ from sculler_model.host.compensation import (
     velocity_rotation,
 )
 from sculler_model.host.increments import MajorIncrements
+from sculler_model.host.known_errors import calibrated, refuse_of_samples
 from sculler_model.host.scaling import (
     increments_of,
     major_increments,
@@ -31,6 +33,7 @@ from sculler_model.host.third_order import (
 __all__ = [
     "MajorIncrements",
     "ThirdOrder",
+    "calibrated",
     "displacement",
     "half_minus_cosine",
     "increments_of",
@@ -38,6 +41,7 @@ __all__ = [
     "one_minus_cosine",
     "one_minus_sine",
     "position_rotation",
+    "refuse_of_samples",
     "refuse_third_order",
     "rotation_terms",
     "second_order_corrections",

@@ -1,11 +1,13 @@
 """Samples of sensors: when they are, how they become counts, and which counts no sensor gives.
 
 `Quantiser` makes counts of increments, `Resampler` even steps of uneven ones, `Passing` runs the
-sensor's filter, `Imperfect` adds the errors of a real sensor, `Plausibility` sees stuck counts,
+sensor's filter, `Imperfect` adds the errors of a real sensor and `Undo` takes out those that are
+known, `Plausibility` sees stuck counts,
 rails and spikes; the functions of instants are the one definition of when a sample and an interval
 are.  It imports `algorithms`, `design` and `frames`.
 """
 
+from sculler_model.samples.calibration import Calibration, Undo
 from sculler_model.samples.imperfect import Imperfect
 from sculler_model.samples.instants import (
     end_after_stamp,
@@ -19,6 +21,7 @@ from sculler_model.samples.quantiser import Quantiser
 from sculler_model.samples.resampler import Gridded, Kind, Resampler
 
 __all__ = [
+    "Calibration",
     "Finding",
     "FindingKind",
     "Gridded",
@@ -28,6 +31,7 @@ __all__ = [
     "Plausibility",
     "Quantiser",
     "Resampler",
+    "Undo",
     "end_after_stamp",
     "in_words",
     "interval_end",

@@ -25,7 +25,7 @@ _LAYOUT = (
 )
 _REST = (
     *("rates", "steps", "gaps", "max_gap", "start", "stop"),
-    *("axes", "misalignment", "gyro_bias", "accel_bias"),
+    *("axes", "misalignment", "gyro_bias", "accel_bias", "calibration"),
 )
 
 layout_options = group(
@@ -164,8 +164,16 @@ mounting_options = group(
         ' the file\'s axes point, "RFU" for right, forward, up, to make forward, right, down of'
         " them.",
     ),
+    click.option(
+        "--calibration",
+        type=terminal.InputFile(Path),
+        metavar="FILE",
+        help="Take these errors of the sensor out, in the log's axes: TOML with the tables of"
+        " [sensor.errors], of numbers: bias, scale factor, misalignment, asymmetry, square,"
+        " g-sensitivity, delay of the accelerometers, their lever arms (size effect).",
+    ),
 )
-"""What becomes of the axes."""
+"""What becomes of the axes, and of the sensor's errors."""
 
 
 def plan(design: Design, log: Path, options: Mapping[str, Any]) -> Plan:

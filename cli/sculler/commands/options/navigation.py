@@ -116,6 +116,14 @@ attitude_options = group(
         " the turning Earth, else against the frame of the start among the stars.",
     ),
     click.option(
+        "--calibration",
+        type=terminal.InputFile(Path),
+        metavar="FILE",
+        help="Take these errors of the sensor out: TOML with the tables of [sensor.errors], of"
+        " numbers (bias, scale factor, misalignment, g-sensitivity); what needs the samples,"
+        " `convert --calibration` takes out of the log.",
+    ),
+    click.option(
         "--rest",
         type=Span(),
         metavar="A:B",
@@ -123,7 +131,7 @@ attitude_options = group(
         " unit rests; less the Earth's rate where the latitude is known.",
     ),
 )
-"""Attitude without a place, and biases at rest."""
+"""Attitude without a place, and errors of the sensor that are taken out."""
 
 carrier_options = group(
     click.option(
@@ -277,6 +285,7 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
         UsageError: one is missing.
         InputError: one of them has a fault.
     """
+    from sculler.formats.calibration import read_calibration
     from sculler.formats.gravity import gravity_model
     from sculler.runs.navigation import Carrier, Plan
     from sculler.runs.navigation.plan import DAMPING, refuse_contradictions
@@ -287,6 +296,9 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
     noise, gravity = sensor_noise(options), gravity_model(options["gravity"])
     if truth is None and not options["attitude_only"]:
         require_place(options)
+    known = None
+    if options["calibration"] is not None:
+        known = read_calibration(options["calibration"])
     reference, damping = _height_reference(options), options["height_damping"]
     if damping is None and reference is not None:
         damping = DAMPING
@@ -317,6 +329,7 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
         engine=options["engine"],
         attitude_only=options["attitude_only"],
         rest=options["rest"],
+        calibration=known,
     )
 
 

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from sculler.formats.log import LogWriter
 from sculler.readers.mounting import Mounting
@@ -51,6 +55,7 @@ class _Pass:
     ) -> None:
         self.plan, self.log_format = plan, log_format
         self.mounting, self.biases = mounting, biases
+        self.undo = plan.undo()
         self.recording, self.differences = _prepared(plan, log_format, advance)
         design, recording = plan.design, self.recording
         self.given = _kind(plan, recording)
@@ -94,7 +99,7 @@ class _Pass:
             _unit(plan, unit, self.given, self.resampler)
             for unit in (recording.gyro, recording.accel)
         )
-        reworked = plan.gaps == "bridge" or self.resampler is not None
+        reworked = plan.gaps == "bridge" or self.resampler is not None or self.undo is not None
         return Conversion(plan.log, plan.design, gyro, accel, self.mounting, self.biases, reworked)
 
     def write(self, path: Path) -> None:
@@ -103,10 +108,10 @@ class _Pass:
         clock = self.recording.clock
         to_instant = _to_instant(self.plan, self.given, self.resampler)
         with LogWriter(path, faults=faults, times=clock is not None) as writer:
-            for chunk in self.chunks:
+            for chunk in self._in_si():
                 times = None if chunk.times is None else chunk.times + to_instant
                 try:
-                    counts = self.conversion(chunk.values)
+                    counts = self._counts(chunk)
                 except InputError as error:
                     raise InputError("; ".join([str(error), *self.watch.sums()])) from error
                 writer.write(counts, chunk.faults, times, 0.0 if clock is None else clock.origin)
@@ -115,6 +120,36 @@ class _Pass:
                 f"{self.plan.log}: too few samples to make an increment of (or none from --start"
                 " to --stop), give more"
             )
+
+    def _in_si(self) -> Iterator[Samples]:
+        """The samples; where errors are to be undone, in SI and without them."""
+        if self.undo is None:
+            yield from self.chunks
+            return
+        held = Samples(np.zeros((0, 6)))
+        for chunk in chain(self.chunks, [None]):
+            if chunk is not None:
+                done = self.undo(self.conversion.si(chunk.values))
+                held = _joined(held, chunk)
+            else:
+                done = self.undo.finish()
+            marks, times = held.faults, held.times
+            if len(done):
+                yield Samples(
+                    done,
+                    None if marks is None else marks[: len(done)],
+                    None if times is None else times[: len(done)],
+                )
+            held = Samples(
+                held.values[len(done) :],
+                None if marks is None else marks[len(done) :],
+                None if times is None else times[len(done) :],
+            )
+
+    def _counts(self, chunk: Samples) -> NDArray[np.int64]:
+        if self.undo is None:
+            return self.conversion(chunk.values)
+        return self.conversion.counted(chunk.values, chunk.values)
 
     def outcome(self, output: Path) -> Outcome:
         """What came of it."""
@@ -131,6 +166,20 @@ class _Pass:
             None if self.resampler is None else self.resampler.left_out,
             self.watch.warnings(),
         )
+
+
+def _joined(one: Samples, other: Samples) -> Samples:
+    """Samples that follow each other; the first may be none."""
+    if not len(one.values):
+        return other
+    assert (one.faults is None) == (other.faults is None)
+    faults = None
+    if one.faults is not None and other.faults is not None:
+        faults = np.concatenate([one.faults, other.faults])
+    times = None
+    if one.times is not None and other.times is not None:
+        times = np.concatenate([one.times, other.times])
+    return Samples(np.concatenate([one.values, other.values]), faults, times)
 
 
 def _prepared(

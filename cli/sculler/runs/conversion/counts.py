@@ -50,7 +50,8 @@ class Conversion:
         gyro, accel: units of the numbers.
         mounting: from the recording's axes to the log's.
         biases: taken off first.
-        reworked: the samples are interpolated, in part at least, and so no whole counts.
+        reworked: the samples are interpolated or calibrated, in part at least, and so no whole
+            counts.
     """
 
     def __init__(
@@ -119,7 +120,18 @@ class Conversion:
         Raises:
             InputError: a value does not fit the sensor's width, or is no whole number of counts.
         """
-        si = self._mounted(values * self._factor - self._bias)
+        return self.counted(self.si(values), values)
+
+    def si(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(N, 6) samples in SI, in the design's kind and the log's axes, biases taken off."""
+        return self._mounted(values * self._factor - self._bias)
+
+    def counted(self, si: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Counts (N, 6) of samples in SI; `values` as they were, which may be counts already.
+
+        Raises:
+            InputError: as by a call.
+        """
         whole = values if self._mounting.turns else self._mounted(values)
         rest = si.copy()
         for sensor, part in _TRIPLES.items():

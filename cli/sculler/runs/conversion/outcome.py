@@ -73,6 +73,8 @@ class Outcome:
             data["timing"] = timing
             if self.left_out_s is not None:
                 timing["left_out_s"] = self.left_out_s
+        if plan.calibration is not None:
+            data["notes"]["calibration"] = f"errors of {plan.calibration} taken out"
         if self.differences is not None:
             data["notes"]["running sums"] = self.differences.told()
         return data

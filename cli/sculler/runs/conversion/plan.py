@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from sculler.formats.calibration import read_calibration
 from sculler.readers import registry
 from sculler.readers.columns import split_sign
 from sculler.readers.format import Request
@@ -26,6 +27,7 @@ from sculler.runs.conversion.counts import Biases
 from sculler_model.design import Design
 from sculler_model.errors import ContradictionError
 from sculler_model.frames import Vector
+from sculler_model.samples import Undo
 
 MAX_GAP = 1.0
 """s; the longest gap that is bridged where nothing else is asked for."""
@@ -138,6 +140,7 @@ class Plan:
         axes: how the axes are turned; None for not at all.
         misalignment: rotation vector in the file's axes, as a user writes it.
         gyro_bias, accel_bias: taken off first, as a user writes them.
+        calibration: a file of errors of the sensor, taken out last, in the log's axes.
 
     Raises:
         ContradictionError: `max_gap` without bridging.
@@ -158,6 +161,7 @@ class Plan:
     misalignment: str | None = None
     gyro_bias: str | None = None
     accel_bias: str | None = None
+    calibration: Path | None = None
 
     def __post_init__(self) -> None:
         if self.max_gap is not None and self.gaps != "bridge":
@@ -221,6 +225,16 @@ class Plan:
             self._vector("--gyro-bias", self.gyro_bias, log_format, GYRO_BIAS_UNITS),
             self._vector("--accel-bias", self.accel_bias, log_format, ACCEL_BIAS_UNITS),
         )
+
+    def undo(self) -> Undo | None:
+        """What takes the sensor's known errors out; None for nothing.
+
+        Raises:
+            InputError: the calibration file has a fault.
+        """
+        if self.calibration is None:
+            return None
+        return Undo(self.design, read_calibration(self.calibration))
 
     def _vector(
         self, option: str, text: str | None, log_format: str, units: dict[str, float]

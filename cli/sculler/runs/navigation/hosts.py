@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sculler.formats.telemetry import frames_of
 from sculler.runs.navigation.plan import Plan
 from sculler_model.fast import VectorBlock
-from sculler_model.host import MajorIncrements, ThirdOrder, major_increments
+from sculler_model.host import MajorIncrements, ThirdOrder, calibrated, major_increments
 from sculler_model.navigation import (
     Alignment,
     AttitudeNavigator,
@@ -70,7 +70,10 @@ class HostInPython:
     def increments(self, block: VectorBlock) -> MajorIncrements:
         """See `Host`."""
         plan = self._plan
-        found = major_increments(plan.design, block, rotation=plan.rotation).in_axes(plan.axes)
+        found = major_increments(plan.design, block, rotation=plan.rotation)
+        if plan.calibration is not None:
+            found = calibrated(plan.design, block, found, plan.calibration)
+        found = found.in_axes(plan.axes)
         return found if self._third_order is None else self._third_order(found)
 
     def third_order_count(self) -> tuple[int, int]:

@@ -81,6 +81,8 @@ class Outcome:
         data["breaks"] = seen.breaks
         if plan.third_order:
             data["third_order"] = dict(zip(("corrected", "left"), seen.third_order, strict=True))
+        if plan.calibration is not None:
+            data["calibrated"] = True
         if plan.bias is not None:
             data["rest"] = _rest_facts(plan.bias)
         data["engine"] = plan.engine
@@ -224,6 +226,8 @@ def told(data: Mapping[str, Any]) -> dict[str, str]:
             f" {data['start_s']:.15g} s, where the initial state holds"
         )
 
+    if "calibrated" in data:
+        rows["calibration"] = "known errors of the sensor taken out of the results"
     if "rest" in data:
         rows["rest"] = _rest_told(data["rest"])
     if "third_order" in data:

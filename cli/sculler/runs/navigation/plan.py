@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple
 from sculler_model.design import Design
 from sculler_model.errors import ContradictionError, InputError
 from sculler_model.frames import AxisMap, from_euler, to_euler
-from sculler_model.host import refuse_third_order
+from sculler_model.host import refuse_of_samples, refuse_third_order
 from sculler_model.navigation import (
     ESTIMATED,
     NORMAL,
@@ -25,6 +25,7 @@ from sculler_model.navigation import (
     SensorNoise,
     attitude_state,
 )
+from sculler_model.samples import Calibration
 
 Three = tuple[float | None, float | None, float | None]
 
@@ -257,6 +258,7 @@ class Plan:
         attitude_only: carry the attitude alone, with the Earth's rate where a latitude is given.
         rest: a window (s) in which the unit rests, to take the gyros' bias from; None for none.
         bias: that was found there, to be taken out.
+        calibration: known errors of the sensor, to be taken out; None for none.
 
     Raises:
         InputError: there is no such engine, or the window is empty.
@@ -283,8 +285,16 @@ class Plan:
     attitude_only: bool = False
     rest: tuple[float, float] | None = None
     bias: RestBias | None = None
+    calibration: Calibration | None = None
 
     def __post_init__(self) -> None:
+        if self.calibration is not None:
+            if self.engine == "c" or self.rotation != "exact":
+                raise ContradictionError(
+                    "--calibration is for the engine python with the exact rotation, leave it out"
+                    " or undo it in the log, by convert --calibration"
+                )
+            refuse_of_samples(self.design, self.calibration)
         if self.attitude_only and self.engine == "c":
             raise ContradictionError("--attitude-only is for the engine python, leave one out")
         if self.rest is not None and not self.rest[0] < self.rest[1]:
