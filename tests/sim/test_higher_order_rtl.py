@@ -1,7 +1,11 @@
 """Cores of third and fourth order: the golden model's vectors, the cycle model's clocks."""
 
+import shlex
+import shutil
+
 import pytest
 
+from bench_files import bench_of, run_bench, shell
 from higher_order_designs import HIGHER_ORDER
 from rtl import check_files, check_trace, clocks_of_major
 from strategies import with_hardware
@@ -29,3 +33,17 @@ def test_the_files_of_model_and_verilator_are_equal(design, tmp_path):
 def test_verilator_shows_on_every_clock_what_the_cycle_model_says(design):
     clocks = max(12_000, 5 * clocks_of_major(design))
     check_trace(design, "verilator", clocks, seeds=range(2))
+
+
+@EACH
+def test_the_bench_passes_and_no_linter_has_a_word(design, tmp_path, verilator):
+    """Icarus with all warnings runs the bench; Verilator's full lint reads it all."""
+    if shutil.which("iverilog"):
+        run_bench(design, tmp_path)
+    else:
+        bench_of(design, tmp_path)
+    top = f"{design.name}_tb"
+    lint = [*verilator.verilator, *"--lint-only --timing -Wall --top-module".split(), top]
+    files = sorted(path.name for path in tmp_path.glob("*.v"))
+    done = shell(shlex.join([*lint, *files]), tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")

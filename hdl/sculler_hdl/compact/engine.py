@@ -178,7 +178,8 @@ class Engine(wiring.Component):
         left_address = Signal(len(self.left.address))
         right_address = Signal(len(self.right.address))
         sample_address = Signal(len(self.sample_address))
-        index, distance = operands.right[: self.index_bits], operands.right[self.index_bits :]
+        index = operands.right[: self.index_bits]
+        distance = operands.right[self.index_bits : self.index_bits + self.slot_bits]
         counts = Signal()
         with m.If(self.step):
             m.d.sync += [
