@@ -49,6 +49,10 @@ DESIGNS = {
         }
     ),
 }
+HIGHER = {
+    "third order": Design.preset("stim300", order=3),
+    "fourth order": Design.preset("hg4930", samples=3, minors=4, order=4),
+}
 START = NavState(5.0, (0.6, 0.0, 0.0, 0.8), (10.0, -2.0, 1.0), 0.8, -2.9, 500.0, 0.3)
 TABLE = table_of_gravity(
     np.radians([20.0, 50.0, 80.0]),
@@ -81,6 +85,18 @@ def test_words_are_those_of_the_stream(design: Design) -> None:
     ]
     words = HostInC(design).words(block)
     assert words.tolist() == [to_words(design, row) for row in rows]
+
+
+@pytest.mark.parametrize("design", HIGHER.values(), ids=HIGHER)
+def test_increments_of_third_and_fourth_order(design: Design) -> None:
+    block = block_of(design, 200)
+    expected = major_increments(design, block)
+    assert same(HostInC(design).increments(block), expected)
+    plain = Design.parse(
+        design.as_json() | {"algorithm": design.as_json()["algorithm"] | {"order": 2}}
+    )
+    second = major_increments(plain, block_of(plain, 200))
+    assert not np.allclose(second.phi, expected.phi, rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)

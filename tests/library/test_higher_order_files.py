@@ -9,7 +9,6 @@ import pytest
 
 import sculler
 from higher_order_designs import HIGHER_ORDER
-from sculler.host_c import host_texts
 from sculler_model.host import major_increments
 from strategies import random_counts
 
@@ -45,11 +44,6 @@ def test_host_s_own_third_order_is_refused() -> None:
         with pytest.raises(sculler.InputError) as fault:
             call()
         assert said in str(fault.value)
-
-
-def test_host_in_c_refuses() -> None:
-    with pytest.raises(sculler.InputError, match=r"the host in C has no order = 4, navigate with"):
-        host_texts(HIGHER_ORDER["fourth_order"])
 
 
 def test_constant_rate_and_force_have_no_higher_terms() -> None:

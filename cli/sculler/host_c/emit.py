@@ -6,8 +6,13 @@ from importlib import resources
 from string import Template
 
 from sculler_model.algorithms import S_DENOMINATOR, SCROLLING_DENOMINATOR
-from sculler_model.design import HIGH_RESOLUTION_VECTORS, Design, scales_hash
-from sculler_model.errors import InputError
+from sculler_model.design import (
+    FOURTH_ORDER_VECTORS,
+    HIGH_RESOLUTION_VECTORS,
+    THIRD_ORDER_VECTORS,
+    Design,
+    scales_hash,
+)
 from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
 
 LIBRARY = (
@@ -54,16 +59,7 @@ def _filled(name: str, words: dict[str, str]) -> str:
 
 
 def _words(design: Design) -> dict[str, str]:
-    """What the templates ask for.
-
-    Raises:
-        InputError: the design's order is above 2.
-    """
-    if design.order > 2:
-        raise InputError(
-            f"algorithm.order: the host in C has no order = {design.order}, navigate with the"
-            " host in Python (--engine python) or leave order out"
-        )
+    """What the templates ask for."""
     algorithm, sensor = design.algorithm, design.sensor
     guard, per_column = f"{design.name.upper()}_HOST", words_per_column(design)
     registers = -(-per_column // 2)
@@ -73,7 +69,8 @@ def _words(design: Design) -> dict[str, str]:
         f"    sums.{vector} = vector_of(result, {guard}_{vector.upper()});"
         for vector in design.vectors
     ]
-    missing = [vector for vector in HIGH_RESOLUTION_VECTORS if vector not in design.vectors]
+    optional = (*HIGH_RESOLUTION_VECTORS, *THIRD_ORDER_VECTORS, *FOURTH_ORDER_VECTORS)
+    missing = [vector for vector in optional if vector not in design.vectors]
     sums += [f"    sums.{vector} = none;" for vector in missing]
     if missing:
         sums.insert(0, "    const sculler_vector none = {0.0, 0.0, 0.0};")
@@ -107,6 +104,7 @@ def _words(design: Design) -> dict[str, str]:
         "dr_sf": ", dR_SF" if design.high_resolution else "",
         **{name: repr(scale) for name, scale in _scales(design).items()},
         "high_resolution": "true" if design.high_resolution else "false",
+        "order": str(design.order),
     }
 
 
@@ -114,6 +112,8 @@ def _scales(design: Design) -> dict[str, float]:
     """What the integers are worth, each expression as `sculler_model.host` has it."""
     g, a, T, table = design.gyro_scale, design.accel_scale, design.sample_interval, design.table
     fine = design.high_resolution
+    third = g * g / design.composition.third if design.order > 2 else 0.0
+    fourth = g**3 / design.composition.fourth if design.order > 3 else 0.0
     return {
         "alpha": g / table.sum_denominator,
         "nu": a / table.sum_denominator,
@@ -124,4 +124,8 @@ def _scales(design: Design) -> dict[str, float]:
         "s_alpha": g * T / S_DENOMINATOR if fine else 0.0,
         "s_nu": a * T / S_DENOMINATOR if fine else 0.0,
         "scrolling": a * g * T / SCROLLING_DENOMINATOR if fine else 0.0,
+        "coning_third": g * third,
+        "sculling_third": a * third,
+        "coning_fourth": g * fourth,
+        "sculling_fourth": a * fourth,
     }

@@ -235,6 +235,22 @@ static sculler_vector correction(
         sculler_per(within, scales->within), sculler_per(between, scales->between), 1.0);
 }
 
+/* The terms of third and fourth order, put into phi and dV_SF. */
+static void add_orders(
+    const sculler_scales *scales, const sculler_sums *sums, sculler_vector w,
+    sculler_increments *increments)
+{
+    sculler_vector phi = sculler_plus(increments->phi, sums->coning_third, scales->coning_third);
+    w = sculler_plus(w, sums->sculling_third, scales->sculling_third);
+    if (scales->order > 3u) {
+        phi = sculler_plus(phi, sums->coning_fourth, scales->coning_fourth);
+        w = sculler_plus(w, sums->sculling_fourth, scales->sculling_fourth);
+    }
+    sculler_vector turned = velocity_rotation(phi, w, sqrt(sculler_dot(phi, phi)));
+    increments->phi = phi;
+    increments->dv_sf = sculler_plus(w, turned, 1.0);
+}
+
 void sculler_increments_of(
     const sculler_scales *scales, const sculler_sums *sums, sculler_increments *increments)
 {
@@ -252,6 +268,9 @@ void sculler_increments_of(
     increments->dv_sf = sculler_plus(dv_sf, sculling, 1.0);
     increments->displaced = scales->high_resolution;
     increments->dr_sf = sculler_times(0.0, alpha);
+    if (scales->order > 2u) {
+        add_orders(scales, sums, sculler_plus(upsilon, sculling, 1.0), increments);
+    }
     if (!scales->high_resolution) {
         return;
     }

@@ -51,6 +51,7 @@ typedef struct {
     sculler_vector alpha, coning_within, coning_between;
     sculler_vector nu, sculling_within, sculling_between;
     sculler_vector s_alpha, s_nu, scrolling; /* of a design with high-resolution position */
+    sculler_vector coning_third, sculling_third, coning_fourth, sculling_fourth; /* by its order */
 } sculler_sums;
 
 /* What a design's integers are worth. */
@@ -61,13 +62,19 @@ typedef struct {
     sculler_real s_alpha, s_nu;      /* rad s and m; scales of high-resolution position */
     sculler_real scrolling;          /* m */
     sculler_real interval;           /* of a result, s */
-    bool high_resolution;      /* whether there are the last three sums */
+    bool high_resolution;      /* whether there are s_alpha, s_nu and scrolling */
+    sculler_real coning_third, sculling_third;   /* rad and m/s; scales of third order */
+    sculler_real coning_fourth, sculling_fourth; /* and of fourth */
+    unsigned order;            /* of the sums: 2, 3 or 4 */
 } sculler_scales;
 
 /* phi, alpha, dV_SF and dR_SF of a result, in sensor axes (Savage-98 Eq. 37, 51, 84; Yang Eq. 14):
  *
  *     phi   = alpha + coning (within + between)
- *     dV_SF = nu + dV_rot(alpha, nu) + sculling (within + between) */
+ *     dV_SF = nu + dV_rot(alpha, nu) + sculling (within + between)
+ *
+ * Of third or fourth order, with w = nu + sculling and what these orders add to it and to phi,
+ * dV_SF = w + dV_rot(phi, w). */
 void sculler_increments_of(
     const sculler_scales *scales, const sculler_sums *sums, sculler_increments *increments);
 
@@ -82,7 +89,7 @@ void sculler_in_axes(const sculler_axes *axes, sculler_increments *increments);
 /* The third-order terms of rotation vector and velocity, from five consecutive intervals, where the
  * rate is smooth.  All zero is its beginning; sculler_third_order_begin after a break or a result of
  * short history.  Begin it with the first interval that is navigated with: what the first four lack
- * is added to the fifth. */
+ * is added to the fifth.  Not for results of order 3 or 4, which have these terms. */
 typedef struct {
     sculler_vector turns[4];            /* integrals of the rate, rad, the oldest first */
     sculler_vector velocities[4];       /* of the specific force, body axes, m/s */
