@@ -178,3 +178,29 @@ def test_the_log_streams(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPat
         written(run, tmp_path, "turn", "--design", "stim300", "--duration", 1)
         outs.append(((tmp_path / "imu.csv").read_bytes(), (tmp_path / "truth.csv").read_bytes()))
     assert outs[0] == outs[1]
+
+
+def test_allan_deviation_of_what_was_made(run: Run, refused: Refused, tmp_path: Path) -> None:
+    """Beside what was asked for; white noise of 0.15 °/√h is 9 °/h at 1 s."""
+    design, picture = tmp_path / "d.toml", tmp_path / "allan.png"
+    design.write_text(
+        'preset = "stim300"\nname = "d"\n[sensor.errors]\n'
+        "gyro = { random_walk = 0.15, bias = 5.0 }\naccel = { random_walk = 0.06 }\n"
+    )
+    words = ("rest", "--design", design, "--duration", 20)
+    _, _, said = written(run, tmp_path, *words, "--allan", picture)
+    found = said["allan"]
+    assert picture.exists()
+    at = int(np.argmin(np.abs(np.array(found["tau_s"]) - 1)))
+    assert found["gyro_asked_deg_per_h"][at] == pytest.approx(
+        9 / found["tau_s"][at] ** 0.5, rel=0.01
+    )
+    assert np.mean(found["gyro_deg_per_h"][at]) == pytest.approx(
+        found["gyro_asked_deg_per_h"][at], rel=0.25
+    )
+    assert found["worst_ratio"] < 1.3
+    assert "allan" not in written(run, tmp_path, *words)[2]
+    outputs = ("-o", tmp_path / "x.csv", "--truth", tmp_path / "y.csv")
+    short = ("motion", "rest", "--design", design, "--duration", 0.0025)
+    assert "5 samples are too few" in refused(*short, *outputs, "--allan", picture)
+    assert "pictures are PNG" in refused(*short, *outputs, "--allan", tmp_path / "a.svg")

@@ -10,6 +10,7 @@ import click
 from sculler import terminal
 from sculler.commands.options import motion as options
 from sculler.commands.options import points
+from sculler.commands.options.analysis import require_picture
 
 _HELP = (
     """Write the IMU log that DESIGN's sensor gives of the motion NAME, and the motion's truth.
@@ -47,6 +48,8 @@ the ellipsoid).
         "    --lat 45 --heading 30",
         "sculler motion coning --design examples/stim300_4x5.toml -o imu.csv --truth truth.csv \\\n"
         "    --half-angle 1 --frequency 20 --vibration 0.5 --vibration-band 20-200",
+        "sculler motion rest --design stim300.toml -o imu.csv --truth truth.csv --duration 600 \\\n"
+        "    --allan allan.png",
         "sculler motion --from way_points.csv --design stim300 -o imu.csv --truth truth.csv",
     ),
 )
@@ -73,6 +76,13 @@ the ellipsoid).
     metavar="SECONDS",
     help="Time between the truth's rows; a major interval if left out.",
 )
+@click.option(
+    "--allan",
+    type=terminal.OutputFile(),
+    metavar="FILE",
+    help="Draw the Allan deviations of the samples less the perfect ones, beside what"
+    " [sensor.errors] asks for (PNG).",
+)
 @points.points_options
 @options.motion_options
 @options.vibration_options
@@ -82,6 +92,7 @@ def command(
     design_name: str,
     output: Path,
     truth: Path,
+    allan: Path | None,
     plots: bool,
     as_json: bool,
     **asked: Any,
@@ -91,11 +102,12 @@ def command(
     from sculler.plots import pictures
     from sculler.runs.motion import write_motion
 
+    require_picture(allan)
     plan = points.plan(terminal.load_design(design_name), name, asked)
     total = plan.samples + plan.truth_rows
     with terminal.progress(f"writing {plan.motion.name}", total) as advance:
         drawn = plots and pictures.left_out() is None
-        outcome = write_motion(plan, output, truth, pictures=drawn, advance=advance)
+        outcome = write_motion(plan, output, truth, pictures=drawn, allan=allan, advance=advance)
     data = outcome.as_json()
     read = {"design": design_name} | ({"from": plan.given.path} if plan.given else {})
     write_origin(output, read, data)

@@ -15,7 +15,9 @@ from sculler.formats.history import HistoryWriter
 from sculler.formats.log import LogWriter
 from sculler.formats.truth import read_truth
 from sculler.formats.truth_columns import LOCAL
+from sculler.plots.allan import allan_picture
 from sculler.plots.points import points_picture, points_picture_path
+from sculler.runs.allan import Gathered, allan_facts
 from sculler.words import Advance, silent
 from sculler_model import inputs
 from sculler_model.design import Design
@@ -25,6 +27,7 @@ from sculler_model.motion import PLACE, Motion, Points, Vibration, as_felt, thro
 from sculler_model.navigation import NavHistory
 from sculler_model.outputs import replacing
 from sculler_model.samples import (
+    AllanCurve,
     Imperfect,
     Passing,
     Quantiser,
@@ -216,6 +219,8 @@ class Outcome:
         full_scale: the largest count as a share of full scale.
         pictures: files drawn.
         beyond_range: samples in which an axis stayed at the end of the sensor's range.
+        allan: Allan deviations of the samples less the perfect ones; None if not asked for.
+        allan_picture: drawn of them.
     """
 
     plan: Plan
@@ -224,6 +229,8 @@ class Outcome:
     full_scale: float
     pictures: tuple[Path, ...] = ()
     beyond_range: int = 0
+    allan: AllanCurve | None = None
+    allan_picture: Path | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -248,6 +255,8 @@ class Outcome:
             data |= {"error_seed": plan.seed, "samples_beyond_range": self.beyond_range}
         if self.pictures:
             data["plots"] = [str(path) for path in self.pictures]
+        if self.allan is not None:
+            data["allan"] = allan_facts(self.allan, design, self.allan_picture)
         if (shaking := plan.shaking) is not None:
             data["vibration"] = {
                 "g_rms": shaking.g,
@@ -293,6 +302,13 @@ class Outcome:
             )
         if self.pictures:
             shown["pictures"] = ", ".join(data["plots"])
+        if "allan" in data:
+            found = data["allan"]
+            shown["Allan deviation"] = (
+                f"{found['picture']}: within a factor of {found['worst_ratio']:.3g} of what was"
+                f" asked for, from {found['tau_s'][0]:.3g} to {found['tau_s'][-1]:.3g} s, chance"
+                " allowed for"
+            )
         return shown | {"wrote": f"{data['output']}, {data['truth']}"}
 
 
@@ -302,6 +318,7 @@ def write_motion(
     truth: Path,
     *,
     pictures: bool = False,
+    allan: Path | None = None,
     advance: Advance = silent,
 ) -> Outcome:
     """Write the log that the design's sensor gives of the motion, and the motion's truth.
@@ -310,6 +327,7 @@ def write_motion(
         plan: what to write.
         output, truth: the files, each appears whole or not at all.
         pictures: draw a motion that goes through points beside them.
+        allan: a picture of the Allan deviations of the samples less the perfect ones.
         advance: told the samples and rows that were written.
 
     Raises:
@@ -322,11 +340,16 @@ def write_motion(
     imperfect = Imperfect(design, plan.seed)
     if pictures and plan.given is not None:
         inputs.claim(points_picture_path(output))
+    gathered = None if allan is None else Gathered(design, plan.samples)
     with replacing(output) as temporary:
         with LogWriter(temporary) as log:
             felt = as_felt(motion, design)
             for chunk in felt.chunks(design.sensor.kind, plan.samples, design.sample_interval):
-                log.write(quantise(imperfect(passing(chunk))))
+                perfect = passing(chunk)
+                counts = quantise(imperfect(perfect))
+                log.write(counts)
+                if gathered is not None:
+                    gathered.add(counts, perfect)
                 advance(len(chunk))
         with replacing(truth) as temporary_truth, HistoryWriter(temporary_truth) as rows:
             for states in motion.states(plan.truth_rows, plan.every, plan.begin):
@@ -336,4 +359,8 @@ def write_motion(
     if pictures and plan.given is not None:
         drawn = (points_picture(motion, plan.given.points, plan.seconds, output),)
     full_scale = max(quantise.report().full_scale)
-    return Outcome(plan, output, truth, full_scale, drawn, imperfect.beyond_range)
+    curve = None if gathered is None else gathered.record.curve()
+    if curve is not None and allan is not None:
+        allan_picture(allan, curve, design)
+    beyond = imperfect.beyond_range
+    return Outcome(plan, output, truth, full_scale, drawn, beyond, curve, allan)
