@@ -52,116 +52,71 @@ def _point(key: str, what: str, design: Design, device: str) -> Point:
     return Point(key, what, design, device, speed)
 
 
+SMALL, MIDDLE, BIG = "LFE5U-25F", "LFE5U-45F", "LFE5U-85F"
+DENSE: dict[str, Any] = {"algorithm": {"family": "time-taylor"}}
+LOOSE: dict[str, Any] = {"algorithm": {"family": "uncompressed"}}
+HIGH: dict[str, Any] = {"algorithm": {"position": "high-resolution"}}
+
+
 def classes() -> tuple[Class, ...]:
     """The sixteen, by class."""
-    dense: dict[str, Any] = {"algorithm": {"family": "time-taylor"}}
-    loose: dict[str, Any] = {"algorithm": {"family": "uncompressed"}}
-    high: dict[str, Any] = {"algorithm": {"position": "high-resolution"}}
-    small, big = "LFE5U-25F", "LFE5U-85F"
     return (
-        Class(
-            "up to 18 bits",
-            {"ecp5": 250},
-            (
-                _point("c16-n6", "16-bit, n = 6", _design("c16_n6", 16, 6, 0, 5), "LFE5U-45F"),
-                _point(
-                    "c16-n1", "16-bit, n = 1, p = 1, M = 64", _design("c16_n1", 16, 1, 1, 64), small
-                ),
-                _point(
-                    "c18-n2",
-                    "18-bit, n = 2, p = 2, M = 8",
-                    _design("c18_n2", 18, 2, 2, 8),
-                    "LFE5U-45F",
-                ),
-                _point("c18-n4", "18-bit, n = 4", _design("c18_n4", 18, 4, 0, 5), small),
-            ),
-        ),
-        Class(
-            "19 to 24 bits",
-            {"ecp5": 230},
-            (
-                _point("c20-n3", "20-bit, n = 3, p = 1", _design("c20_n3", 20, 3, 1, 4), big),
-                _point(
-                    "c20-rate",
-                    "20-bit rates, n = 4, p = 1, Newton-Cotes weights",
-                    _design("c20_rate", 20, 4, 1, 5, kind="rate"),
-                    big,
-                ),
-                _point(
-                    "c24-dense4",
-                    "24-bit, dense, time-taylor, n = 4",
-                    _design("c24_dense4", 24, 4, 0, 5, **dense),
-                    big,
-                ),
-                _point(
-                    "c24-dense3",
-                    "24-bit, dense, uncompressed, n = 3",
-                    _design("c24_dense3", 24, 3, 0, 5, **loose),
-                    big,
-                ),
-                _point(
-                    "c24-n8",
-                    "24-bit, n = 8, M = 1, as a stream",
-                    _design("c24_n8", 24, 8, 0, 1, hardware={"handover": "stream"}),
-                    big,
-                ),
-                _point(
-                    "c24-28",
-                    "24-bit, n = 4, 28 multipliers",
-                    _design("c24_28", 24, 4, 0, 5, hardware={"multipliers": 28}),
-                    small,
-                ),
-            ),
-        ),
-        Class(
-            "25 to 32 bits",
-            {"ecp5": 200},
-            (
-                _point("c32-n4", "32-bit, n = 4", _design("c32_n4", 32, 4, 0, 5), big),
-                _point(
-                    "c32-dense5",
-                    "32-bit, dense, uncompressed, n = 5",
-                    _design("c32_dense5", 32, 5, 0, 2, **loose),
-                    big,
-                ),
-            ),
-        ),
-        Class(
-            "high-resolution, 24 bits",
-            {"ecp5": 200},
-            (
-                _point(
-                    "c24-high",
-                    "24-bit, high-resolution",
-                    _design("c24_high", 24, 4, 0, 5, **high),
-                    big,
-                ),
-            ),
-        ),
-        Class(
-            "compact",
-            {"ecp5": 180, "ice40": 48},
-            (
-                _point(
-                    "k24",
-                    "24-bit, compact",
-                    variant(24, "k24", core="compact", target="ecp5"),
-                    small,
-                ),
-                _point(
-                    "k16-n6",
-                    "16-bit, n = 6, p = 2, compact",
-                    _design("k16_n6", 16, 6, 2, 3, hardware={"core": "compact"}),
-                    small,
-                ),
-                _point(
-                    "k32-up5k",
-                    "32-bit, compact",
-                    variant(32, "k32_up5k", core="compact", target="ice40"),
-                    "iCE40UP5K",
-                ),
-            ),
-        ),
+        Class("up to 18 bits", {"ecp5": 250}, _to_18_bits()),
+        Class("19 to 24 bits", {"ecp5": 230}, _to_24_bits()),
+        Class("25 to 32 bits", {"ecp5": 200}, _to_32_bits()),
+        Class("high-resolution, 24 bits", {"ecp5": 200}, _high_resolution()),
+        Class("compact", {"ecp5": 180, "ice40": 48}, _compact()),
+    )
+
+
+def _to_18_bits() -> tuple[Point, ...]:
+    long = "16-bit, n = 1, p = 1, M = 64"
+    return (
+        _point("c16-n6", "16-bit, n = 6", _design("c16_n6", 16, 6, 0, 5), MIDDLE),
+        _point("c16-n1", long, _design("c16_n1", 16, 1, 1, 64), SMALL),
+        _point("c18-n2", "18-bit, n = 2, p = 2, M = 8", _design("c18_n2", 18, 2, 2, 8), MIDDLE),
+        _point("c18-n4", "18-bit, n = 4", _design("c18_n4", 18, 4, 0, 5), SMALL),
+    )
+
+
+def _to_24_bits() -> tuple[Point, ...]:
+    rates = "20-bit rates, n = 4, p = 1, Newton-Cotes weights"
+    stream = _design("c24_n8", 24, 8, 0, 1, hardware={"handover": "stream"})
+    shared = _design("c24_28", 24, 4, 0, 5, hardware={"multipliers": 28})
+    time_taylor, uncompressed = (
+        "24-bit, dense, time-taylor, n = 4",
+        "24-bit, dense, uncompressed, n = 3",
+    )
+    return (
+        _point("c20-n3", "20-bit, n = 3, p = 1", _design("c20_n3", 20, 3, 1, 4), BIG),
+        _point("c20-rate", rates, _design("c20_rate", 20, 4, 1, 5, kind="rate"), BIG),
+        _point("c24-dense4", time_taylor, _design("c24_dense4", 24, 4, 0, 5, **DENSE), BIG),
+        _point("c24-dense3", uncompressed, _design("c24_dense3", 24, 3, 0, 5, **LOOSE), BIG),
+        _point("c24-n8", "24-bit, n = 8, M = 1, as a stream", stream, BIG),
+        _point("c24-28", "24-bit, n = 4, 28 multipliers", shared, SMALL),
+    )
+
+
+def _to_32_bits() -> tuple[Point, ...]:
+    dense = _design("c32_dense5", 32, 5, 0, 2, **LOOSE)
+    return (
+        _point("c32-n4", "32-bit, n = 4", _design("c32_n4", 32, 4, 0, 5), BIG),
+        _point("c32-dense5", "32-bit, dense, uncompressed, n = 5", dense, BIG),
+    )
+
+
+def _high_resolution() -> tuple[Point, ...]:
+    design = _design("c24_high", 24, 4, 0, 5, **HIGH)
+    return (_point("c24-high", "24-bit, high-resolution", design, BIG),)
+
+
+def _compact() -> tuple[Point, ...]:
+    past = _design("k16_n6", 16, 6, 2, 3, hardware={"core": "compact"})
+    wide = variant(32, "k32_up5k", core="compact", target="ice40")
+    return (
+        _point("k24", "24-bit, compact", variant(24, "k24", core="compact", target="ecp5"), SMALL),
+        _point("k16-n6", "16-bit, n = 6, p = 2, compact", past, SMALL),
+        _point("k32-up5k", "32-bit, compact", wide, "iCE40UP5K"),
     )
 
 

@@ -170,7 +170,6 @@ class RegisterMap:
         )
 
     def _control(self) -> Iterator[Register]:
-        stamps = self.window.time_stamps
         front = [
             Field("reset_front", 9, 1, "pulse", "resets the sensor front end and its counters", 0)
         ]
@@ -211,9 +210,18 @@ class RegisterMap:
                 Field("injection", 8, 1, "w1c", "a sample was pushed before the last was taken", 0),
             ),
         )
+        yield from self._interrupts()
+        yield Register(
+            "pop",
+            0x028,
+            "frees the result in the window; the next one stands there, if there is one",
+            (Field("pop", 0, 1, "pulse", "frees the result; nothing, where none waits", 0),),
+        )
+
+    def _interrupts(self) -> Iterator[Register]:
         pulse = ("pulse", "a pulse came; cleared where a one is written")
         kinds = [("result", "a result waits"), ("fault", "a bit of faults is set")]
-        kinds += [pulse] if stamps else []
+        kinds += [pulse] if self.window.time_stamps else []
         yield Register(
             "interrupt_enable",
             0x020,
@@ -231,12 +239,6 @@ class RegisterMap:
                 Field(name, bit, 1, "w1c" if name == "pulse" else "r", meaning)
                 for bit, (name, meaning) in enumerate(kinds)
             ),
-        )
-        yield Register(
-            "pop",
-            0x028,
-            "frees the result in the window; the next one stands there, if there is one",
-            (Field("pop", 0, 1, "pulse", "frees the result; nothing, where none waits", 0),),
         )
 
     def _counters(self) -> Iterator[Register]:
