@@ -214,3 +214,92 @@ def test_workers_and_a_scheduler_make_the_same_results(run: Run, tmp_path: Path)
     far = results(tmp_path / "far")
     for name in COLUMNS:
         assert (one[name] == far[name]).all(), name
+
+
+RTL = SMALL.replace(
+    '[[design]]\npreset = "stim300"\nlabel = "perfect"',
+    '[[design]]\npreset = "hg4930"\nlabel = "perfect"',
+)
+HARDWARE = '[rtl]\nruns = 2\nengine = "amaranth"\nseconds = {seconds}\n[motion]'
+
+
+def with_hardware(runs: int, seconds: float) -> str:
+    """Few samples, for Amaranth's own simulator."""
+    text = RTL.format(runs=runs).replace('preset = "stim300"\nlabel', 'preset = "hg4930"\nlabel')
+    return text.replace("[motion]", HARDWARE.format(seconds=seconds))
+
+
+def of_twin(change: Callable[[Any], Any]) -> Callable[..., Any]:
+    """In place of the hardware, the twin with a change of its blocks."""
+    from sculler_model.fast import FastModel
+
+    def simulate(design: Any, chunks: Any, **options: Any) -> Any:
+        model = FastModel(design)
+        for counts, _ in chunks:
+            yield change(model.feed(counts))
+
+    return simulate
+
+
+@pytest.mark.deep
+def test_some_runs_go_through_the_hardware(run: Run, tmp_path: Path) -> None:
+    """The counts of the run itself, with stalls, in Amaranth's own simulator."""
+    path, out = campaign(tmp_path, with_hardware(5, 0.2)), tmp_path / "out"
+    first = run("campaign", path, "-o", out, "--workers", 1)
+    assert (first.status, first.err) == (0, "")
+    assert "4 runs in amaranth: 20 results of 80 samples, every integer" in first.out
+
+
+def test_which_runs_and_what_is_kept(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Evenly spread over the seeds; what is done is not done again."""
+    from sculler.runs.campaign import hardware
+
+    monkeypatch.setattr(hardware, "simulate", of_twin(lambda block: block))
+    path, out = campaign(tmp_path, with_hardware(5, 0.2)), tmp_path / "out"
+    assert run("campaign", path, "-o", out, "--workers", 1).status == 0
+    said = json.loads((out / "summary.json").read_text(encoding="utf-8"))["rtl"]
+    assert said["identical"]
+    seeds = [(held["design"], held["seed"]) for held in said["runs"]]
+    assert seeds == [("noisy", 1), ("noisy", 5), ("perfect", 1), ("perfect", 5)]
+    assert {(held["samples"], held["results"]) for held in said["runs"]} == {(20, 5)}
+    notes = {note: note.stat().st_mtime_ns for note in (out / "parts").glob("rtl-*.json")}
+    assert len(notes) == 4
+    campaign(tmp_path, with_hardware(5, 0.2).replace("runs = 2", "runs = 3"))
+    more = json.loads(run("campaign", path, "-o", out, "--workers", 1, "--json").out)
+    assert [held["seed"] for held in more["rtl"]["runs"]] == [1, 3, 5] * 2
+    for note, time in notes.items():
+        assert note.stat().st_mtime_ns == time
+    dry = json.loads(run("campaign", path, "-o", out, "--dry-run", "--json").out)
+    assert dry["rtl_seeds"] == [1, 3, 5]
+
+
+def test_hardware_that_differs_fails(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A bit of one accumulator, and a result that never comes."""
+    from sculler.runs.campaign import hardware
+    from sculler_model.design import Design
+    from sculler_model.fast import VectorBlock
+
+    def broken(block: Any) -> Any:
+        rows = [list(row) for row in block.rows()]
+        rows[1][5] ^= 4
+        return VectorBlock.from_rows([tuple(row) for row in rows], Design.preset("hg4930"))
+
+    cases = ((broken, "major 1 (row 1)"), (lambda block: block[:-1], "lacks the last 1 result"))
+    for number, (change, words) in enumerate(cases):
+        monkeypatch.setattr(hardware, "simulate", of_twin(change))
+        path = campaign(tmp_path, with_hardware(1, 0.2))
+        outcome = run("campaign", path, "-o", tmp_path / str(number), "--workers", 1)
+        assert outcome.status == 1
+        assert words in " ".join(outcome.out.split())
+        assert "seed 1 of noisy" in " ".join(outcome.out.split())
+
+
+def test_the_hardware_does_not_change_what_is_flown(tmp_path: Path) -> None:
+    plain = Campaign.load(campaign(tmp_path, RTL.format(runs=4)))
+    more = Campaign.load(campaign(tmp_path, RTL.format(runs=4) + "[rtl]\nruns = 9\n"))
+    assert plain.digest == more.digest
+    assert (plain.rtl_seeds, more.rtl_seeds) == ([], [1, 2, 3, 4])

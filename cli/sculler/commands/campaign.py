@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
+_FAILED = 1
+
+
 @click.command(
     short_help="Fly a motion many times with imperfect sensors: error growth, CEP.",
     epilog=terminal.examples(
@@ -50,7 +53,7 @@ def command(
     scheduler: str | None,
     dry_run: bool,
     as_json: bool,
-) -> None:
+) -> int:
     """Fly the motion of FILE with its designs and [sensor.errors], once for each seed.
 
     Each run goes through counts, the exact integers of the core (the fast twin of the golden
@@ -60,8 +63,11 @@ def command(
 
     A run depends on its seed alone: the results are the same with any number of workers.  An
     interrupted campaign goes on where it stopped, and more runs are added to those that are there.
+
+    With a table [rtl] some runs go through the hardware too, and every integer is held against the
+    fast twin's: exit status 1 if one differs.
     """
-    from sculler.runs.campaign import Campaign, run_campaign
+    from sculler.runs.campaign import Campaign, hardware_told, run_campaign
     from sculler_model.errors import ContradictionError
 
     if workers is not None and scheduler is not None:
@@ -71,15 +77,19 @@ def command(
         data = campaign.as_json()
         told = {label: f"{samples:,} samples a run" for label, samples in data["designs"].items()}
         told |= {"runs": f"{data['runs']:,} of each, seeds from {data['first_seed']} on"}
+        if "rtl_seeds" in data:
+            told["hardware"] = f"seeds {', '.join(map(str, data['rtl_seeds']))} of each"
         terminal.report(data, as_json, terminal.facts(told))
-        return
+        return 0
     total = campaign.tables.runs * len(campaign.designs)
     with terminal.progress("flying", total) as advance:
         outcome = run_campaign(
             campaign, file, folder, workers=workers, scheduler=scheduler, advance=advance
         )
-    facts = {"wrote": f"{folder}: {', '.join(outcome.files)}"} | warning_rows(outcome.warnings)
+    facts = {"hardware": hardware_told(outcome.held)} if outcome.held else {}
+    facts |= {"wrote": f"{folder}: {', '.join(outcome.files)}"} | warning_rows(outcome.warnings)
     terminal.report(outcome.as_json(), as_json, _table(*outcome.table()), terminal.facts(facts))
+    return 0 if outcome.identical else _FAILED
 
 
 def _table(titles: list[str], rows: list[list[str]]) -> Table:

@@ -7,7 +7,7 @@ import inspect
 import json
 from math import radians
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -101,6 +101,34 @@ class NavigatorTable(Part):
     position_every: Annotated[int, Field(ge=1, description="a whole number >= 1")] = 1
 
 
+class RtlTable(Part):
+    """Some of the runs through the hardware too, every integer beside the fast twin's.
+
+    Attributes:
+        runs: of each design, evenly spread over the seeds.
+        seconds: from their beginning; the whole run if left out.
+        engine: "verilator" (the emitted Verilog), "amaranth" (slow, needs no compiler), or "auto":
+            Verilator where it is.
+        stalls: samples and results wait at random; not where a core drops results.
+    """
+
+    runs: Annotated[int, Field(ge=1, le=1000, description="a whole number from 1 to 1000")] = 1
+    seconds: Annotated[
+        float | None, Field(gt=0, le=1e6, description="a number > 0, at most 1e6")
+    ] = None
+    engine: Annotated[
+        Literal["auto", "verilator", "amaranth"],
+        Field(description="auto, verilator or amaranth"),
+    ] = "auto"
+    stalls: Annotated[bool, Field(description="true or false")] = True
+
+    @property
+    def digest(self) -> str:
+        """Of what a run through the hardware depends on."""
+        text = self.model_dump_json(exclude={"runs"})
+        return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
 class DesignTable(Part):
     """A design that flies.
 
@@ -135,6 +163,7 @@ class Tables(Part):
     motion: Annotated[MotionTable, Field(description="a table with name or points")]
     vibration: Annotated[VibrationTable | None, Field(description="a table")] = None
     initial: Annotated[InitialTable, Field(description="a table")] = InitialTable()
+    rtl: Annotated[RtlTable | None, Field(description="a table")] = None
     navigator: Annotated[NavigatorTable, Field(description="a table")] = NavigatorTable()
     design: Annotated[
         list[DesignTable], Field(min_length=1, max_length=100, description="1 to 100 tables")
@@ -233,6 +262,16 @@ class Campaign:
         """Of the runs of each design."""
         return range(self.tables.first_seed, self.tables.first_seed + self.tables.runs)
 
+    @property
+    def rtl_seeds(self) -> list[int]:
+        """Of the runs of each design that go through the hardware too, evenly spread."""
+        table, seeds = self.tables.rtl, self.seeds
+        if table is None:
+            return []
+        many = min(table.runs, len(seeds))
+        step = (len(seeds) - 1) / max(many - 1, 1)
+        return [seeds[round(step * number)] for number in range(many)]
+
     def as_json(self) -> dict[str, Any]:
         """What would be flown, plain data."""
         seconds = self.tables.seconds
@@ -243,12 +282,15 @@ class Campaign:
             "seconds": seconds,
             "motion": self.motion.name,
             "designs": dict(zip(self.labels, samples, strict=True)),
+            **({"rtl_seeds": self.rtl_seeds} if self.tables.rtl else {}),
         }
 
     @property
     def digest(self) -> str:
         """SHA-256 of everything that the results depend on, but the number of runs."""
-        tables = self.tables.model_dump(mode="json", exclude={"runs", "design", "first_seed"})
+        tables = self.tables.model_dump(
+            mode="json", exclude={"runs", "design", "first_seed", "rtl"}
+        )
         points = self.tables.motion.points
         data = {
             "tables": tables,

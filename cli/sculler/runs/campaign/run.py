@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sculler.formats.tables import Column, open_table, writing_table
 from sculler.plots.campaign import campaign_picture
 from sculler.plots.pictures import left_out
+from sculler.runs.campaign import hardware
 from sculler.runs.campaign.engine import (
     Batch,
     Job,
@@ -23,6 +24,7 @@ from sculler.runs.campaign.engine import (
     in_this_process,
 )
 from sculler.runs.campaign.flights import COLUMNS
+from sculler.runs.campaign.hardware import Held
 from sculler.runs.campaign.plan import Campaign
 from sculler.runs.campaign.statistics import Statistics, require_scipy
 from sculler.words import Advance, silent, three_digits
@@ -46,6 +48,7 @@ class Outcome:
         statistics: by label.
         flown: runs done now; the others were there.
         picture: file, or None where there is none, `why_none`.
+        held: runs that went through the hardware too.
     """
 
     campaign: Campaign
@@ -54,6 +57,12 @@ class Outcome:
     flown: int
     picture: Path | None
     why_none: str | None
+    held: list[Held] = field(default_factory=list)
+
+    @property
+    def identical(self) -> bool:
+        """The hardware gave the twin's integers, as far as it was asked."""
+        return all(held.different is None for held in self.held)
 
     @property
     def warnings(self) -> list[str]:
@@ -76,6 +85,7 @@ class Outcome:
             "results": str(self.folder / "results.parquet"),
             "summary": str(self.folder / "summary.json"),
             **({"plots": [str(self.picture)]} if self.picture else {}),
+            **({"rtl": hardware.as_json(self.held)} if self.held else {}),
         }
 
     def table(self) -> tuple[list[str], list[list[str]]]:
@@ -124,7 +134,9 @@ def run_campaign(
         advance: told the runs that are done.
 
     Raises:
-        InputError: the folder is of another campaign, a library is absent, or a run fails.
+        InputError: the folder is of another campaign, a library or a simulator is absent, or a run
+            fails.
+        SimulationError: a core hangs.
     """
     require_scipy()
     parts = folder / "parts"
@@ -146,7 +158,8 @@ def run_campaign(
         name = f"{batch.design}-{batch.first_seed}-{batch.many}.parquet"
         _write(parts / name, rows)
         advance(batch.many)
-    return _summed_up(campaign, folder, sum(batch.many for batch in batches))
+    held = hardware.held_against_hardware(campaign, parts)
+    return _summed_up(campaign, folder, sum(batch.many for batch in batches), held)
 
 
 def _refuse_another(campaign: Campaign, folder: Path) -> None:
@@ -214,7 +227,7 @@ def _read(path: Path) -> dict[str, NDArray[Any]]:
     return {name: np.concatenate([block[name] for block in blocks]) for name in COLUMNS}
 
 
-def _summed_up(campaign: Campaign, folder: Path, flown: int) -> Outcome:
+def _summed_up(campaign: Campaign, folder: Path, flown: int, held: list[Held]) -> Outcome:
     """Results in order, statistics and the picture."""
     found = [_read(path) for path in sorted((folder / "parts").glob("*-*-*.parquet"))]
     rows = {name: np.concatenate([part[name] for part in found]) for name in COLUMNS}
@@ -231,7 +244,7 @@ def _summed_up(campaign: Campaign, folder: Path, flown: int) -> Outcome:
     why_none, picture = left_out(), None
     if why_none is None:
         picture = campaign_picture(statistics, folder / "growth.png")
-    outcome = Outcome(campaign, folder, statistics, flown, picture, why_none)
+    outcome = Outcome(campaign, folder, statistics, flown, picture, why_none, held)
     with replacing(folder / "summary.json") as temporary:
         text = json.dumps(outcome.as_json(), indent=2, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")
