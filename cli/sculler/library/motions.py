@@ -13,8 +13,8 @@ from sculler.library.logs import Log
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import from_euler_rows
-from sculler_model.motion import MOTIONS, PLACE, Motion, Points, as_felt, through
-from sculler_model.samples import Imperfect, Passing, Quantiser, sample_stamp
+from sculler_model.motion import MOTIONS, PLACE, Motion, Points, delivered, through
+from sculler_model.samples import Imperfect, Quantiser, sample_stamp
 
 
 def motion(
@@ -155,10 +155,9 @@ def record(design: Design, motion: Motion, seconds: float, *, seed: int = 1) -> 
     samples = int(seconds * design.sensor.sample_rate_hz + 1e-9)
     if samples < 1:
         raise InputError(f"seconds: {seconds:g} holds no sample, give more")
-    passing, quantise, imperfect = Passing(design), Quantiser(design), Imperfect(design, seed)
-    felt = as_felt(motion, design)
-    chunks = felt.chunks(design.sensor.kind, samples, design.sample_interval)
-    counts = np.concatenate([quantise(imperfect(passing(chunk))) for chunk in chunks])
+    quantise, imperfect = Quantiser(design), Imperfect(design, seed)
+    chunks = delivered(motion, design, samples)
+    counts = np.concatenate([quantise(imperfect(chunk)) for chunk in chunks])
     first = sample_stamp(design, 0)
     times = first + np.arange(samples) / design.sensor.sample_rate_hz
     return Log(counts, times=times)

@@ -23,13 +23,12 @@ from sculler_model import inputs
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import STANDARD_GRAVITY, Vector
-from sculler_model.motion import PLACE, Motion, Points, Vibration, as_felt, through
+from sculler_model.motion import PLACE, Motion, Points, Vibration, delivered, through
 from sculler_model.navigation import NavHistory
 from sculler_model.outputs import replacing
 from sculler_model.samples import (
     AllanCurve,
     Imperfect,
-    Passing,
     Quantiser,
     end_after_stamp,
     interval_end,
@@ -244,7 +243,6 @@ class Outcome:
             "full_scale": self.full_scale,
             "truth_every_s": plan.every,
             "truth_rows": plan.truth_rows,
-            "filter_left_out": Passing(design).left_out,
             "output": str(self.output),
             "truth": str(self.truth),
         }
@@ -295,11 +293,6 @@ class Outcome:
             shown["sensor errors"] = f"of [sensor.errors], seed {data['error_seed']}"
         if data.get("samples_beyond_range"):
             shown["beyond range"] = f"{data['samples_beyond_range']:,} samples stayed at its end"
-        if data["filter_left_out"]:
-            shown["filter"] = (
-                "left out, it is not digital at the sample rate of increments: these are the"
-                " samples of a sensor that passes everything"
-            )
         if self.pictures:
             shown["pictures"] = ", ".join(data["plots"])
         if "allan" in data:
@@ -336,21 +329,19 @@ def write_motion(
     design, motion = plan.design, plan.motion
     if plan.shaking is not None:
         motion = plan.shaking.vibration.on(motion)
-    passing, quantise = Passing(design), Quantiser(design)
+    quantise = Quantiser(design)
     imperfect = Imperfect(design, plan.seed)
     if pictures and plan.given is not None:
         inputs.claim(points_picture_path(output))
     gathered = None if allan is None else Gathered(design, plan.samples)
     with replacing(output) as temporary:
         with LogWriter(temporary) as log:
-            felt = as_felt(motion, design)
-            for chunk in felt.chunks(design.sensor.kind, plan.samples, design.sample_interval):
-                perfect = passing(chunk)
+            for perfect in delivered(motion, design, plan.samples):
                 counts = quantise(imperfect(perfect))
                 log.write(counts)
                 if gathered is not None:
                     gathered.add(counts, perfect)
-                advance(len(chunk))
+                advance(len(perfect))
         with replacing(truth) as temporary_truth, HistoryWriter(temporary_truth) as rows:
             for states in motion.states(plan.truth_rows, plan.every, plan.begin):
                 rows.write(states)

@@ -26,6 +26,7 @@ from sculler_model.motion.catalogue import (
 )
 from sculler_model.motion.curves import Curve, EvenPace, Smooth, Spline
 from sculler_model.motion.earthbound import Motion
+from sculler_model.motion.filtered import delivered
 from sculler_model.motion.flight_plan import Leg, flight
 from sculler_model.motion.inertial import Coning, Sculling, SpinAccel
 from sculler_model.motion.placed import Placed, as_felt
@@ -74,6 +75,7 @@ __all__ = [
     "attitude",
     "coning",
     "coning_turns",
+    "delivered",
     "demo_motion",
     "euler_turns",
     "flight",

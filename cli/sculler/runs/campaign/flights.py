@@ -16,7 +16,7 @@ from sculler_model.errors import Error, InputError
 from sculler_model.fast import FastModel
 from sculler_model.frames import from_rotation_vector, product, radii
 from sculler_model.host import major_increments
-from sculler_model.motion import as_felt
+from sculler_model.motion import delivered
 from sculler_model.navigation import (
     HeightDamping,
     NavHistory,
@@ -61,8 +61,7 @@ def fly(campaign: Campaign, number: int, seeds: Sequence[int]) -> dict[str, NDAr
     samples = round(campaign.tables.seconds * design.sensor.sample_rate_hz)
     checks = Checkpoints(campaign, design, samples)
     runs = [_Run(campaign, design, checks, seed) for seed in seeds]
-    felt = as_felt(campaign.motion, design)
-    for chunk in felt.chunks(design.sensor.kind, samples, design.sample_interval):
+    for chunk in delivered(campaign.motion, design, samples):
         for run in runs:
             run.take(chunk)
     rows = np.concatenate([run.errors() for run in runs])
