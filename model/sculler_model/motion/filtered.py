@@ -115,7 +115,7 @@ class _Fine:
         return weights[begin:end], half - begin
 
     def _response_at(self, size: int, known: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """F at the frequencies of a Fourier transform of so many fine steps; NaN where it has ended.
+        """F at the frequencies of a transform of so many fine steps; NaN where it has ended.
 
         Args:
             size: how many.
@@ -162,7 +162,7 @@ class _Fine:
 
 
 def _falling(response: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """A response up to the Nyquist frequency, held where it has ended, and brought down to 0 there."""
+    """A response up to the Nyquist frequency, held where it ended, and brought down to 0."""
     ended = np.isnan(response)
     held = np.where(ended, response[~ended][-1], response)
     part = np.clip(np.linspace(-1, 1, len(response)), 1e-9, 1 - 1e-9)
