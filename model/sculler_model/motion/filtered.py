@@ -38,9 +38,9 @@ class Filtered:
     A sample interval is cut into fine steps.  The weights of the fine steps are the Fourier
     transform of the response, which falls off smoothly where no motion has anything: from half to
     all of the fine steps' Nyquist frequency, which is eight times the samples' or more.  So a
-    vibration comes out with the gain and the phase of F to some 1e-12.  Before time 0 everything stood as in
-    the first fine step; beyond the end the motion goes on.  Above the last frequency of a
-    measured response it is as at the last.
+    vibration comes out with the gain and the phase of F to some 1e-12.  Before time 0 everything
+    stood as in the first fine step; beyond the end the motion goes on.  Above the last frequency of
+    a measured response it is as at the last.
 
     Attributes:
         motion: what the sensor feels.
