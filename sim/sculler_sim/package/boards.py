@@ -1,9 +1,11 @@
 """Example top levels: a sensor's line in, results out by the board's serial port.
 
-A design for a board has a sensor front end on a UART and a bus of packets:
+A design for a board has a sensor front end on a UART, and a bus of packets or of registers:
 
     [hardware.front]                [hardware.bus]
-    clock_hz = the board's          result = "axi-stream"
+    clock_hz = the board's          result = "axi-stream" or "axi-lite"
+
+Registers are read by a small master in the top level, which makes the same packets of them.
 
 Pins: ULX3S from its constraint file (emard/ulx3s, doc/constraints/ulx3s_v20.lpf); iCEBreaker from
 Project IceStorm (examples/icebreaker/icebreaker.pcf).
@@ -17,7 +19,7 @@ from importlib import resources
 from string import Template
 from typing import Literal
 
-from sculler_hdl import Generated, unit_ports
+from sculler_hdl import Generated, own_bus_ports, unit_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.front import Uart
@@ -41,6 +43,12 @@ _NETS = {
     "m_axis_tlast": "last",
 }
 """Net of each port of the unit; others, outputs all, stay open."""
+
+_MASTER = (
+    *("arvalid", "arready", "araddr", "rvalid", "rready", "rdata", "rresp", "awvalid", "awready"),
+    *("awaddr", "wvalid", "wready", "wdata", "wstrb", "bvalid", "bready"),
+)
+"""What the master of AXI4-Lite drives and reads."""
 
 
 class _Template(Template):
@@ -154,10 +162,10 @@ def _check(board: Board, design: Design) -> None:
             f"{where}: the design has no sensor on a UART, add a [hardware.front] that has one"
         )
     bus = hardware.bus
-    if bus is None or bus.result != "axi-stream" or bus.clock != "same":
+    if bus is None or bus.result not in ("axi-stream", "axi-lite") or bus.clock != "same":
         raise InputError(
             f'{where}: results go out as packets, add [hardware.bus] with result = "axi-stream"'
-            ' and clock = "same"'
+            ' or "axi-lite", and clock = "same"'
         )
     if hardware.target not in (board.family, "generic"):
         raise InputError(
@@ -174,9 +182,12 @@ def _check(board: Board, design: Design) -> None:
             f"{where}: its clock is {board.clock_mhz:g} MHz, give hardware.front.clock_hz ="
             f" {board.clock_mhz:g}e6"
         )
-    each = -(-words_per_column(design) // 2)
-    words = 1 + len(design.columns) * each + _STAMP_WORDS * bus.time_stamps
-    rate = words * _BITS_A_WORD * design.sensor.sample_rate_hz / design.samples_per_major
+    rate = (
+        (1 + _result_words(design))
+        * _BITS_A_WORD
+        * design.sensor.sample_rate_hz
+        / design.samples_per_major
+    )
     if rate > 0.95 * BAUD:
         raise InputError(
             f"{where}: results take {rate:,.0f} bits a second, more than {BAUD} baud, give more"
@@ -184,11 +195,28 @@ def _check(board: Board, design: Design) -> None:
         )
 
 
-def _top(board: Board, design: Design, top: str) -> str:
+def _result_words(design: Design) -> int:
+    """Words of a packet, which are those of the window of the registers."""
     assert design.hardware.bus is not None
-    stamps = design.hardware.bus.time_stamps
-    template = resources.files("sculler_sim.package").joinpath("board.v.in")
-    return _Template(template.read_text(encoding="ascii")).substitute(
+    each = -(-words_per_column(design) // 2)
+    return len(design.columns) * each + _STAMP_WORDS * design.hardware.bus.time_stamps
+
+
+def _template(name: str) -> _Template:
+    file = resources.files("sculler_sim.package").joinpath(name)
+    return _Template(file.read_text(encoding="ascii"))
+
+
+def _top(board: Board, design: Design, top: str) -> str:
+    bus = design.hardware.bus
+    assert bus is not None
+    nets, master, modules = dict(_NETS), "", ""
+    if bus.has_registers:
+        ports = {port.name: port.bits for port in own_bus_ports(bus.result)}
+        nets |= {f"s_axi_{name}": name for name in _MASTER}
+        modules = _template("board_master.v.in").substitute(top=top, words=_result_words(design))
+        master = _master(top, ports)
+    return _template("board.v.in").substitute(
         top=top,
         name=design.name,
         title=board.title,
@@ -196,10 +224,23 @@ def _top(board: Board, design: Design, top: str) -> str:
         divisor=round(board.clock_mhz * 1e6 / BAUD),
         pressed=board.pressed,
         connections=",\n".join(
-            f"    .{port.name}({_NETS.get(port.name, '')})" for port in unit_ports(design)
+            f"    .{port.name}({nets.get(port.name, '')})" for port in unit_ports(design)
         ),
-        unused="" if stamps else "  wire unused = &{1'b0, pulse};\n",
+        master=master,
+        modules=modules,
+        unused="" if bus.time_stamps else "  wire unused = &{1'b0, pulse};\n",
     )
+
+
+def _master(top: str, ports: Mapping[str, int]) -> str:
+    """The wires between unit and master, and the master."""
+    wires = "".join(
+        f"  wire {f'[{ports[name] - 1}:0] ' if ports[name] > 1 else ''}{name};\n"
+        for name in _MASTER
+    )
+    names = ("clk", "rst", *_MASTER, "valid", "ready", "data", "last")
+    connections = ",\n".join(f"    .{name}({name})" for name in names)
+    return f"{wires}  {top}_master master (\n{connections}\n  );\n"
 
 
 def _lpf(board: Board, top: str) -> str:

@@ -1,0 +1,1 @@
+"""Runs the tutorial from a preset to a bitstream, command by command, and times it."""
