@@ -164,7 +164,7 @@ def test_orders_of_coning_in_a_turn_and_of_a_manoeuvre(run: Run) -> None:
     assert [row["order"] for row in found] == [2, 3, 4]
     assert [row["hand_over_hz"] for row in found] == pytest.approx([100] * 3)
     second, third, fourth = (row["attitude_arcsec"] for row in found)
-    assert third < second / 500
+    assert third < second / 200
     assert fourth < second / 500
     second, third, fourth = (row["velocity"] for row in found)
     assert third < second / 1000

@@ -21,6 +21,7 @@ from sculler_model.design import Design, Result, word_lengths
 from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
 from sculler_model.golden import GoldenModel
+from sculler_model.host import next_orders
 from strategies import random_counts
 from tiers import few_of
 
@@ -172,12 +173,13 @@ def test_every_order_is_the_logarithm_of_the_product(name: str) -> None:
 # --- the weights inside a minor interval
 
 
-def polynomial_orders(rates: list[list[Fraction]], size: Fraction) -> list[Three]:
-    """Orders 1..4 of the rotation vector of a polynomial rate over -size/2..size/2 (Bortz).
+def polynomial_orders(rates: list[list[Fraction]], size: Fraction, most: int = MOST) -> list[Three]:
+    """Orders 1, 2, ... of the rotation vector of a polynomial rate over -size/2..size/2 (Bortz).
 
     Args:
         rates: of each axis, coefficients of t⁰, t¹, ...
         size: of the interval.
+        most: the highest order, up to 6.
     """
 
     def product(a: list[Fraction], b: list[Fraction]) -> list[Fraction]:
@@ -201,6 +203,9 @@ def polynomial_orders(rates: list[list[Fraction]], size: Fraction) -> list[Three
             for i in range(3)
         ]
 
+    def scaled(*terms: tuple[Fraction, list[list[Fraction]]]) -> list[list[Fraction]]:
+        return [added(*((f, t[axis]) for f, t in terms)) for axis in range(3)]
+
     def integral(rate: list[list[Fraction]]) -> list[list[Fraction]]:
         found = []
         for axis in rate:
@@ -209,25 +214,27 @@ def polynomial_orders(rates: list[list[Fraction]], size: Fraction) -> list[Three
             found.append(power)
         return found
 
-    def scaled(*terms: tuple[Fraction, list[list[Fraction]]]) -> list[list[Fraction]]:
-        return [added(*((f, t[axis]) for f, t in terms)) for axis in range(3)]
-
-    half, twelfth = Fraction(1, 2), Fraction(1, 12)
-    first = integral(rates)
-    second = integral(scaled((half, crossed(first, rates))))
-    once = crossed(first, rates)
-    third = integral(scaled((half, crossed(second, rates)), (twelfth, crossed(first, once))))
-    fourth = integral(
-        scaled(
-            (half, crossed(third, rates)),
-            (twelfth, crossed(first, crossed(second, rates))),
-            (twelfth, crossed(second, once)),
-        )
-    )
-    ends = (size / 2) ** 0, size / 2
+    # nested[j][k]: the part of degree k of φ×(φ×... ω), j products
+    factors = {0: Fraction(1), 1: Fraction(1, 2), 2: Fraction(1, 12), 4: Fraction(-1, 720)}
+    nested = [{1: rates}, *({} for _ in range(most))]
+    orders = {1: integral(rates)}
+    for degree in range(2, most + 1):
+        for j in range(1, degree):
+            products = [
+                (Fraction(1), crossed(orders[i], nested[j - 1][degree - i]))
+                for i in range(1, degree)
+                if degree - i in nested[j - 1]
+            ]
+            if products:
+                nested[j][degree] = scaled(*products)
+        rate = [(f, nested[j][degree]) for j, f in factors.items() if degree in nested[j]]
+        orders[degree] = integral(scaled(*rate))
     return [
-        tuple(sum((x * ends[1] ** i for i, x in enumerate(axis)), Fraction(0)) for axis in order)
-        for order in (first, second, third, fourth)
+        tuple(
+            sum((x * (size / 2) ** i for i, x in enumerate(axis)), Fraction(0))
+            for axis in orders[degree]
+        )
+        for degree in range(1, most + 1)
     ]
 
 
@@ -331,6 +338,35 @@ def test_triples_match_the_frequency_of_coning(samples: int) -> None:
             true = polynomial_orders(rates, size)[2 + order][2]
             left.append(abs(inside(samples, rates, size)[order][2] - true))
         assert 0.98 * 2**power < left[0] / left[1] < 1.02 * 2**power
+
+
+def test_next_orders_are_what_follows() -> None:
+    """δ after γ, ε + ζ after δ: all terms of T⁵, and of T⁷, of a rate of any three powers."""
+    rates = [[Fraction(x, 4) for x in axis] for axis in ((3, -1, 4), (1, 5, -9), (-2, 6, 5))]
+    left: dict[int, list[float]] = {3: [], 4: []}
+    for size in (Fraction(1, 4), Fraction(1, 8)):
+        orders = polynomial_orders(rates, size, 6)
+        known = [(np.array([order], float), np.zeros((1, 3))) for order in orders]
+        after = {3: orders[3], 4: [a + b for a, b in zip(orders[4], orders[5], strict=True)]}
+        for given, true in after.items():
+            found, _ = next_orders(known[:given])
+            left[given].append(float(np.abs(found - np.array([true], float)).max()))
+    assert 100 < left[3][0] / left[3][1] < 150  # T⁷
+    assert 400 < left[4][0] / left[4][1] < 600  # T⁹
+
+
+def test_next_orders_of_velocity_are_those_of_the_angle_turned_once() -> None:
+    """The velocity of a dual vector is its angle's derivative along the velocities."""
+    rng = np.random.default_rng(3)
+    angles, velocities = rng.normal(size=(4, 1, 3)), rng.normal(size=(4, 1, 3))
+    step = 1e-6
+    for given in (3, 4):
+        ends = []
+        for way in (step, -step):
+            moved = zip(angles + way * velocities, velocities, strict=True)
+            ends.append(next_orders([*moved][:given])[0])
+        _, found = next_orders([*zip(angles, velocities, strict=True)][:given])
+        np.testing.assert_allclose(found, (ends[0] - ends[1]) / (2 * step), rtol=1e-7)
 
 
 # --- models and word lengths

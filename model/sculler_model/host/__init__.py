@@ -15,6 +15,7 @@ from sculler_model.host.compensation import (
 )
 from sculler_model.host.increments import MajorIncrements
 from sculler_model.host.known_errors import calibrated, refuse_of_samples
+from sculler_model.host.next_orders import next_orders
 from sculler_model.host.scaling import (
     increments_of,
     major_increments,
@@ -38,6 +39,7 @@ __all__ = [
     "half_minus_cosine",
     "increments_of",
     "major_increments",
+    "next_orders",
     "one_minus_cosine",
     "one_minus_sine",
     "position_rotation",

@@ -25,6 +25,7 @@ from sculler_model.host.compensation import (
 )
 from sculler_model.host.compiled import compiled_floats, compiled_scale
 from sculler_model.host.increments import MajorIncrements
+from sculler_model.host.next_orders import next_orders
 from sculler_model.host.third_order import ThirdOrder
 
 Array = NDArray[np.float64]
@@ -62,7 +63,8 @@ def major_increments(
 
         ΔV_SF = w + ΔV_rot(φ, w),   w = υ + sculling + a g² sculling_third/D3 + ...
 
-    with the denominators of `Design.composition` (docs/explanation/higher-order.md).
+    with the denominators of `Design.composition`, and to both the first terms of what follows
+    (`next_orders`; docs/explanation/higher-order.md).
 
     Args:
         design: the design.
@@ -215,16 +217,22 @@ def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
 
 
 def _with_higher_orders(design: Design, block: VectorBlock) -> MajorIncrements:
-    """φ, α and ΔV_SF of a design of third or fourth order."""
+    """φ, α and ΔV_SF of a design of third or fourth order, and what follows it (`next_orders`)."""
     units, composed, g = _units(design), design.composition, design.gyro_scale
-    alpha, w = _sums(block, units)
-    phi = alpha + units.coning * _correction(block, "coning", units)
-    w += units.sculling * _correction(block, "sculling", units)
-    orders = {"third": (g * g / composed.third), "fourth": (g**3 / composed.fourth)}
+    alpha, upsilon = _sums(block, units)
+    coning = units.coning * _correction(block, "coning", units)
+    sculling = units.sculling * _correction(block, "sculling", units)
+    orders = [(alpha, upsilon), (coning, sculling)]
+    scales = {"third": g * g / composed.third, "fourth": g**3 / composed.fourth}
     for name in ("third", "fourth")[: design.order - 2]:
-        phi += g * orders[name] * block.vector(f"coning_{name}").astype(np.float64)
-        scale = design.accel_scale * orders[name]
-        w += scale * block.vector(f"sculling_{name}").astype(np.float64)
+        angle = block.vector(f"coning_{name}").astype(np.float64)
+        velocity = block.vector(f"sculling_{name}").astype(np.float64)
+        scale = scales[name]
+        orders.append((g * scale * angle, design.accel_scale * scale * velocity))
+    tail = next_orders(orders)
+    phi, w = orders[0]
+    for angle, velocity in (*orders[1:], tail):
+        phi, w = phi + angle, w + velocity
     dv_sf = w + velocity_rotation(phi, w)
     return MajorIncrements(phi, alpha, dv_sf, status=block.status, times=block.times)
 

@@ -235,20 +235,59 @@ static sculler_vector correction(
         sculler_per(within, scales->within), sculler_per(between, scales->between), 1.0);
 }
 
-/* The terms of third and fourth order, put into phi and dV_SF. */
+/* An angle and a velocity, with the cross product of rigid motions. */
+typedef struct {
+    sculler_vector angle, velocity;
+} dual;
+
+static dual dual_cross(dual a, dual b)
+{
+    dual found;
+    found.angle = sculler_cross(a.angle, b.angle);
+    found.velocity = sculler_plus(
+        sculler_cross(a.angle, b.velocity), sculler_cross(a.velocity, b.angle), 1.0);
+    return found;
+}
+
+static dual dual_times(sculler_real factor, dual a)
+{
+    dual found = {sculler_times(factor, a.angle), sculler_times(factor, a.velocity)};
+    return found;
+}
+
+static dual dual_plus(dual a, dual b)
+{
+    dual found = {
+        sculler_plus(a.angle, b.angle, 1.0), sculler_plus(a.velocity, b.velocity, 1.0)};
+    return found;
+}
+
+/* phi and dV_SF of third or fourth order, and the first terms of what follows these: see
+ * docs/explanation/higher-order.md. */
 static void add_orders(
-    const sculler_scales *scales, const sculler_sums *sums, sculler_vector w,
+    const sculler_scales *scales, const sculler_sums *sums, dual alpha, dual beta,
     sculler_increments *increments)
 {
-    sculler_vector phi = sculler_plus(increments->phi, sums->coning_third, scales->coning_third);
-    w = sculler_plus(w, sums->sculling_third, scales->sculling_third);
+    dual gamma = {
+        sculler_times(scales->coning_third, sums->coning_third),
+        sculler_times(scales->sculling_third, sums->sculling_third)};
+    dual once = dual_cross(alpha, beta), twice = dual_cross(alpha, once);
+    dual total = dual_plus(dual_plus(alpha, beta), gamma);
     if (scales->order > 3u) {
-        phi = sculler_plus(phi, sums->coning_fourth, scales->coning_fourth);
-        w = sculler_plus(w, sums->sculling_fourth, scales->sculling_fourth);
+        dual delta = {
+            sculler_times(scales->coning_fourth, sums->coning_fourth),
+            sculler_times(scales->sculling_fourth, sums->sculling_fourth)};
+        dual fifth = dual_times(-1.0 / 42.0, dual_cross(alpha, dual_cross(alpha, gamma)));
+        dual turned = dual_times(-2.0 / 105.0, dual_cross(beta, once));
+        dual sixth = dual_times(1.0 / 2520.0, dual_cross(alpha, dual_cross(alpha, twice)));
+        total = dual_plus(dual_plus(total, delta), dual_plus(dual_plus(fifth, turned), sixth));
+    } else {
+        total = dual_plus(total, dual_times(-1.0 / 60.0, twice));
     }
-    sculler_vector turned = velocity_rotation(phi, w, sqrt(sculler_dot(phi, phi)));
+    sculler_vector phi = total.angle, w = total.velocity;
+    sculler_vector rotated = velocity_rotation(phi, w, sqrt(sculler_dot(phi, phi)));
     increments->phi = phi;
-    increments->dv_sf = sculler_plus(w, turned, 1.0);
+    increments->dv_sf = sculler_plus(w, rotated, 1.0);
 }
 
 void sculler_increments_of(
@@ -269,7 +308,8 @@ void sculler_increments_of(
     increments->displaced = scales->high_resolution;
     increments->dr_sf = sculler_times(0.0, alpha);
     if (scales->order > 2u) {
-        add_orders(scales, sums, sculler_plus(upsilon, sculling, 1.0), increments);
+        dual first = {alpha, upsilon}, second = {sculler_times(scales->coning, coning), sculling};
+        add_orders(scales, sums, first, second, increments);
     }
     if (!scales->high_resolution) {
         return;

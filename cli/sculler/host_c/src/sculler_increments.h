@@ -73,8 +73,8 @@ typedef struct {
  *     phi   = alpha + coning (within + between)
  *     dV_SF = nu + dV_rot(alpha, nu) + sculling (within + between)
  *
- * Of third or fourth order, with w = nu + sculling and what these orders add to it and to phi,
- * dV_SF = w + dV_rot(phi, w). */
+ * Of third or fourth order, with w = nu + sculling and what these orders, and the first terms of what
+ * follows them, add to it and to phi, dV_SF = w + dV_rot(phi, w). */
 void sculler_increments_of(
     const sculler_scales *scales, const sculler_sums *sums, sculler_increments *increments);
 
