@@ -15,20 +15,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import resources
-from string import Template
 from typing import Literal
 
-from sculler_hdl import Generated, own_bus_ports, unit_ports
+from sculler_hdl import Generated, unit_ports
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.front import Uart
-from sculler_model.golden import words_per_column
+from sculler_sim.package.master import (
+    Text,
+    master_instance,
+    master_module,
+    master_nets,
+    result_words,
+)
 
 BAUD = 921_600
 """Of the serial port to the host."""
 
-_STAMP_WORDS = 7
 _BITS_A_WORD = 4 * 10
 
 
@@ -43,16 +46,6 @@ _NETS = {
     "m_axis_tlast": "last",
 }
 """Net of each port of the unit; others, outputs all, stay open."""
-
-_MASTER = (
-    *("arvalid", "arready", "araddr", "rvalid", "rready", "rdata", "rresp", "awvalid", "awready"),
-    *("awaddr", "wvalid", "wready", "wdata", "wstrb", "bvalid", "bready"),
-)
-"""What the master of AXI4-Lite drives and reads."""
-
-
-class _Template(Template):
-    delimiter = "%%"
 
 
 @dataclass(frozen=True)
@@ -183,7 +176,7 @@ def _check(board: Board, design: Design) -> None:
             f" {board.clock_mhz:g}e6"
         )
     rate = (
-        (1 + _result_words(design))
+        (1 + result_words(design))
         * _BITS_A_WORD
         * design.sensor.sample_rate_hz
         / design.samples_per_major
@@ -195,28 +188,14 @@ def _check(board: Board, design: Design) -> None:
         )
 
 
-def _result_words(design: Design) -> int:
-    """Words of a packet, which are those of the window of the registers."""
-    assert design.hardware.bus is not None
-    each = -(-words_per_column(design) // 2)
-    return len(design.columns) * each + _STAMP_WORDS * design.hardware.bus.time_stamps
-
-
-def _template(name: str) -> _Template:
-    file = resources.files("sculler_sim.package").joinpath(name)
-    return _Template(file.read_text(encoding="ascii"))
-
-
 def _top(board: Board, design: Design, top: str) -> str:
     bus = design.hardware.bus
     assert bus is not None
     nets, master, modules = dict(_NETS), "", ""
     if bus.has_registers:
-        ports = {port.name: port.bits for port in own_bus_ports(bus.result)}
-        nets |= {f"s_axi_{name}": name for name in _MASTER}
-        modules = _template("board_master.v.in").substitute(top=top, words=_result_words(design))
-        master = _master(top, ports)
-    return _template("board.v.in").substitute(
+        nets |= master_nets()
+        modules, master = master_module(top, design), master_instance(top)
+    return Text.of("board.v.in").substitute(
         top=top,
         name=design.name,
         title=board.title,
@@ -230,17 +209,6 @@ def _top(board: Board, design: Design, top: str) -> str:
         modules=modules,
         unused="" if bus.time_stamps else "  wire unused = &{1'b0, pulse};\n",
     )
-
-
-def _master(top: str, ports: Mapping[str, int]) -> str:
-    """The wires between unit and master, and the master."""
-    wires = "".join(
-        f"  wire {f'[{ports[name] - 1}:0] ' if ports[name] > 1 else ''}{name};\n"
-        for name in _MASTER
-    )
-    names = ("clk", "rst", *_MASTER, "valid", "ready", "data", "last")
-    connections = ",\n".join(f"    .{name}({name})" for name in names)
-    return f"{wires}  {top}_master master (\n{connections}\n  );\n"
 
 
 def _lpf(board: Board, top: str) -> str:

@@ -10,6 +10,7 @@ from sculler_sim.package.contents import CLOCK_MHZ, contents
 from sculler_sim.package.fusesoc import fusesoc_core
 from sculler_sim.package.ipxact import YEARS, ipxact_component
 from sculler_sim.package.unit import unit_contents
+from sculler_sim.package.unit_bench import unit_bench_texts
 from sculler_sim.package.vendors import quartus_script, vivado_script
 
 
@@ -61,4 +62,5 @@ def _unit_texts(
         f"{held.name}_vivado.tcl": vivado_script(held),
         f"{held.name}_hw.tcl": quartus_script(held),
         **constraints(held),
+        **unit_bench_texts(held),
     }

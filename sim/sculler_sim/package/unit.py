@@ -16,6 +16,7 @@ from sculler_sim.package.contents import (
     checked_mhz,
     version_of,
 )
+from sculler_sim.package.unit_bench import bench_files
 
 _STANDARD: Mapping[str, tuple[Kind, str]] = {
     "axi-lite": ("axi-lite", "s_axi_"),
@@ -68,6 +69,7 @@ def unit_contents(
         verilog=tuple(f"{name}{part}.v" for part in parts),
         models=tuple(f"{cell}.v" for cell in generated.cells),
         vhdl=f"{name}_unit.vhd",
+        bench=bench_files(design),
         anytime=tuple(port for port in ("pulse", *pins) if port in names),
         crossings=_crossings(bus) if len(clocks) > 1 else (),
         registers=RegisterMap(design) if bus.has_registers else None,
