@@ -13,6 +13,7 @@
 #   make host-c    docs/explanation/host-in-c-targets.md: the host in C for small processors, a minute
 #   make soc       docs/explanation/chip.md: the whole chip flies a log in Verilator, and is placed; ten minutes
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route, about half an hour
+#   make upsets    docs/explanation/hardening.md: bits of running cores turned over, one by one; half an hour
 #   make prove   tries to prove port contract and arithmetic of small cores, and writes what it proved; an hour or more
 #   make mutate  changed cores against the test bench that is handed out; hours, goes on where it stopped
 #   make docs    the site of docs/ in build/site, without warnings; DOCS_FLAGS=... for MkDocs
@@ -26,7 +27,7 @@ READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses memories host-c soc prove mutate release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses memories host-c soc upsets prove mutate release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY) $(TOOLS)
@@ -134,6 +135,9 @@ buses: $(READY)
 
 memories: $(TOOLS)
 	$(BIN)/python -m studies.memories
+
+upsets: $(TOOLS)
+	$(BIN)/python -m studies.upsets
 
 host-c: $(READY)
 	$(BIN)/python -m studies.host_c

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from sculler_hdl.compact.core import CompactCore
+from sculler_hdl.hardened.compact import HardenedCompactCore
+from sculler_hdl.hardened.pipelined import HardenedPipelinedCore
 from sculler_hdl.pipelined.core import PipelinedCore
 from sculler_model.design import Design
 
-Core = CompactCore | PipelinedCore
+Core = CompactCore | PipelinedCore | HardenedCompactCore | HardenedPipelinedCore
 
 
 def build_core(design: Design, *, primitive: bool = True) -> Core:
@@ -20,6 +22,10 @@ def build_core(design: Design, *, primitive: bool = True) -> Core:
     Raises:
         InputError: `hardware.multipliers` are too few.
     """
+    if design.hardware.hardening is not None:
+        compact = design.hardware.core == "compact"
+        made = HardenedCompactCore if compact else HardenedPipelinedCore
+        return made(design, primitive=primitive)
     if design.hardware.core == "compact":
         return CompactCore(design, primitive=primitive)
     return PipelinedCore(design, primitive=primitive)

@@ -127,8 +127,10 @@ def testbench(
         **_port_texts(design),
         **_clocking(design),
     }
+    # the counters of a hardened core are several, which agree
+    alone = "`define SCULLER_PORTS_ONLY\n" if design.hardware.hardening else ""
     return {
-        f"{design.name}_tb.v": _fill("testbench.v.in", values),
+        f"{design.name}_tb.v": alone + _fill("testbench.v.in", values),
         f"{design.name}_samples.hex": packed_hex(
             (row for rows in samples for row in rows.tolist()), sample_ports(design)
         ),

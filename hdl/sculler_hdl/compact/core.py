@@ -6,20 +6,50 @@ sample ─▶ Loader ─▶ sample memory ─▶ Engine ─▶ result memory ─
 
 from __future__ import annotations
 
-from amaranth import Cat, Module
+from amaranth import Cat, Elaboratable, Module, Mux, ResetInserter
 from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.compact.control import Control
 from sculler_hdl.compact.engine import Engine
 from sculler_hdl.compact.loader import Loader
 from sculler_hdl.compact.memory import BlockMemory
 from sculler_hdl.compact.reader import Reader
-from sculler_hdl.lib.layout import core_members
+from sculler_hdl.lib.layout import plain_members
 from sculler_hdl.lib.losses import Losses, emit_event_counter
 from sculler_hdl.plan.compact.digits import OPERAND
 from sculler_hdl.plan.compact.plan import plan_compact
+from sculler_hdl.plan.ports import counter_ports
 from sculler_model.design import AXES, Design
-from sculler_model.golden import WORD_BITS
+from sculler_model.golden import WORD_BITS, words_per_result
+
+
+def ties(design: Design) -> dict[str, wiring.Member]:
+    """Further members of a core that is one of several copies which agree on all they do.
+
+    Members:
+        agreed_ready (in): a sample that is offered is taken.
+        agreed_samples_lost, agreed_results_dropped (in): what its counters count on from.
+        storing, digit (out), agreed_digit (in): as those of `Engine`.
+        stores (out): where a word of the result is stored, if one is, and that it is the last.
+        at_status (out): the word on `result_data` is the lowest of the status.
+        ends_major (out): the sample that ends a major interval was taken in the clock before.
+        restart (in), where `hardware.hardening` is "recover": as a reset.
+    """
+    address = (words_per_result(design) - 1).bit_length()
+    counters = {f"agreed_{port.name}": In(port.bits) for port in counter_ports(design)}
+    restart = {"restart": In(1)} if design.hardware.hardening == "recover" else {}
+    return {
+        **restart,
+        "agreed_ready": In(1),
+        **counters,
+        "storing": Out(1),
+        "digit": Out(OPERAND.bits),
+        "agreed_digit": In(OPERAND.bits),
+        "stores": Out(2 + address),
+        "at_status": Out(1),
+        "ends_major": Out(1),
+    }
 
 
 class CompactCore(wiring.Component):
@@ -35,6 +65,7 @@ class CompactCore(wiring.Component):
         design: the design.
         primitive: whether to instantiate the target's own blocks; False infers all of them, with
             the same behaviour on every clock.
+        tied: whether it is one of the copies of a hardened core (`ties`).
 
     Attributes:
         plan: what it is built of.
@@ -44,30 +75,37 @@ class CompactCore(wiring.Component):
         listing: its schedule as text.
     """
 
-    def __init__(self, design: Design, *, primitive: bool = True) -> None:
+    def __init__(self, design: Design, *, primitive: bool = True, tied: bool = False) -> None:
         self.design = design
         self.primitive = primitive
+        self.tied = tied
         self.plan = plan_compact(design)
         self.timing = self.plan.timing
         self.resources = self.plan.resources
         self.block_groups = None
         self.listing = self.plan.listing
-        super().__init__(core_members(design))
+        self.ties = ties(design) if tied else {}
+        super().__init__(plain_members(design) | self.ties)
 
-    def elaborate(self, platform: object) -> Module:
+    def elaborate(self, platform: object) -> Elaboratable:
+        m = self._made()
+        return ResetInserter(self.restart)(m) if "restart" in self.ties else m
+
+    def _made(self) -> Module:
         m, plan = Module(), self.plan
         m.submodules.control = control = Control(plan)
         m.submodules.loader = loader = Loader(plan)
-        m.submodules.engine = engine = Engine(plan, primitive=self.primitive)
-        m.submodules.reader = reader = Reader(plan)
-        m.submodules.losses = losses = Losses()
+        m.submodules.engine = engine = Engine(plan, primitive=self.primitive, tied=self.tied)
+        m.submodules.reader = reader = Reader(plan, tied=self.tied)
+        m.submodules.losses = losses = Losses(tied=self.tied)
         m.submodules.samples = samples = BlockMemory(
             plan.target, OPERAND.bits, [0] * (1 << len(loader.address)), primitive=self.primitive
         )
         m.submodules.results = results = BlockMemory(
             plan.target, WORD_BITS, [0] * (1 << len(reader.address)), primitive=self.primitive
         )
-        take = self.sample_valid & self.sample_ready
+        ready = self.agreed_ready if self.tied else self.sample_ready
+        take = self.sample_valid & ready
         # once high it stays so until a sample is taken: nothing else makes these true
         waits = loader.busy | engine.starting | (control.has_work & engine.busy) | control.blocked
         m.d.sync += self.sample_ready.eq(~(take | waits))
@@ -87,7 +125,7 @@ class CompactCore(wiring.Component):
             control.lost.eq(losses.lost),
             control.rail.eq(loader.rail),
             losses.sample_valid.eq(self.sample_valid),
-            losses.sample_ready.eq(self.sample_ready),
+            losses.sample_ready.eq(ready),
             self.samples_lost.eq(losses.count),
             control.loaded.eq(loader.loaded),
             control.result_taken.eq(reader.taken),
@@ -112,6 +150,19 @@ class CompactCore(wiring.Component):
             self.result_last.eq(reader.last),
         ]
         if self.design.drops_results:
-            dropped = emit_event_counter(m, reader.dropped, "results_dropped")
+            held = self.agreed_results_dropped if self.tied else None
+            dropped = emit_event_counter(m, reader.dropped, "results_dropped", held)
             m.d.comb += self.results_dropped.eq(dropped)
+        if self.tied:
+            m.d.comb += [
+                losses.held.eq(self.agreed_samples_lost),
+                engine.agreed_digit.eq(self.agreed_digit),
+                self.digit.eq(engine.digit),
+                self.storing.eq(engine.storing),
+                self.stores.eq(
+                    Cat(engine.publish, engine.store, Mux(engine.store, engine.store_address, 0))
+                ),
+                self.at_status.eq(reader.at_status),
+            ]
+            m.d.sync += self.ends_major.eq(take & control.conditions.major_end)
         return m

@@ -44,16 +44,20 @@ class Engine(wiring.Component):
         sample_address (out), sample_data (in): to the sample memory, slot above index.
         store, store_address, store_data (out): to the result memory.
         bank (out): of the result memory, that goes to, counted from the one being filled.
+        storing, digit (out), agreed_digit (in), where it is `tied`: a digit is stored, what it is,
+            and what is stored for it instead, unless `starting`.
 
     Latency: `plan.timing`; an instruction every `plan.pipeline.step` clocks.
 
     Args:
         plan: the plan.
         primitive: whether to instantiate the target's own blocks.
+        tied: whether it is one of several that agree on what they store.
     """
 
-    def __init__(self, plan: CompactPlan, *, primitive: bool = True) -> None:
+    def __init__(self, plan: CompactPlan, *, primitive: bool = True, tied: bool = False) -> None:
         self.plan = plan
+        self.tied = tied
         self.design = design = plan.design
         self.primitive = primitive
         self.index_bits = plan.sizes.index_bits
@@ -68,6 +72,7 @@ class Engine(wiring.Component):
         self.rail = Signal()
         # two bits of the status, put in where it is stored, so that they need no instruction
         self.marks = {RAIL: Signal(name="rail_mark"), LOST: Signal(name="lost_mark")}
+        ties = {"storing": Out(1), "digit": Out(BITS), "agreed_digit": In(BITS)} if tied else {}
         super().__init__(
             {
                 "launch": In(1),
@@ -84,6 +89,7 @@ class Engine(wiring.Component):
                 "store_address": Out(range(words_per_result(design))),
                 "store_data": Out(WORD_BITS),
                 "bank": Out(plan.sizes.bank_bits),
+                **ties,
             }
         )
 
@@ -93,6 +99,15 @@ class Engine(wiring.Component):
         left, right = self._operands(m, operands, word)
         constant = operands.as_value()[: self.plan.program.constant_bits].as_signed()
         digit = self._accumulate(m, word, left, right, constant)
+        if self.tied:
+            stores = word.store_left | word.store_right | word.store_result
+            stored = Signal(BITS)
+            m.d.comb += [
+                self.storing.eq(stores & self.step),
+                self.digit.eq(digit),
+                stored.eq(Mux(self.starting, digit, self.agreed_digit)),
+            ]
+            digit = stored
         bank_bits = (word.sample, word.release)[: len(self.bank)]
         for memory, store in ((self.left, word.store_left), (self.right, word.store_right)):
             m.d.comb += [

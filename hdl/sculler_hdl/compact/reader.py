@@ -7,7 +7,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.plan.compact.plan import CompactPlan
-from sculler_model.golden import words_per_result
+from sculler_model.golden import words_per_column, words_per_result
 
 
 class Reader(wiring.Component):
@@ -25,15 +25,19 @@ class Reader(wiring.Component):
         valid, last (out), ready (in): the stream's, its data being the memory's.
         taken (out): the last word is taken in this clock.
         dropped (out): a result was dropped two clocks ago.
+        at_status (out), where it is `tied`: the word is the lowest of the status.
 
     Latency: a word is valid `Target.memory_latency` + 1 clocks after the one before was taken, and
     that latency after the clock following `publish`.
 
     Args:
         plan: the plan.
+        tied: see `at_status`.
     """
 
-    def __init__(self, plan: CompactPlan) -> None:
+    def __init__(self, plan: CompactPlan, *, tied: bool = False) -> None:
+        self.tied = tied
+        self.status = plan.design.columns.index("status") * words_per_column(plan.design)
         self.words = words_per_result(plan.design)
         self.wait = plan.target.memory_latency
         self.drops = plan.design.drops_results
@@ -48,6 +52,7 @@ class Reader(wiring.Component):
                 "ready": In(1),
                 "taken": Out(1),
                 "dropped": Out(1),
+                **({"at_status": Out(1)} if tied else {}),
             }
         )
 
@@ -57,12 +62,21 @@ class Reader(wiring.Component):
         waiting = Signal()  # a result is shown that is not yet taken whole
         ahead = Signal(range(self.wait + 1))  # clocks until the word is there
         begin, shown = self._begin(m, waiting) if self.drops else (self.publish, ~self.filling)
+        direct = (
+            []
+            if self.tied
+            else [
+                self.valid.eq(waiting & (ahead == 0)),
+                self.last.eq(word == self.words - 1),
+            ]
+        )
         m.d.comb += [
             self.address.eq(Cat(word, shown)),
-            self.valid.eq(waiting & (ahead == 0)),
-            self.last.eq(word == self.words - 1),
+            *direct,
             self.taken.eq(self.valid & self.ready & self.last),
         ]
+        if self.tied:
+            self._show_from_registers(m, word, waiting, ahead)
         with m.If(ahead != 0):
             m.d.sync += ahead.eq(ahead - 1)
         with m.If(self.valid & self.ready):
@@ -75,6 +89,17 @@ class Reader(wiring.Component):
             with m.If(begin):
                 m.d.sync += self.filling.eq(~self.filling)
         return m
+
+    def _show_from_registers(self, m: Module, word: Value, waiting: Value, ahead: Value) -> None:
+        """The same levels on the same clocks, from registers: copies have to agree on them."""
+        m.d.sync += [
+            self.last.eq(word == self.words - 1),
+            self.at_status.eq(word == self.status),
+        ]
+        with m.If(ahead == 1):
+            m.d.sync += self.valid.eq(waiting)
+        with m.If(self.valid & self.ready):
+            m.d.sync += self.valid.eq(0)
 
     def _begin(self, m: Module, waiting: Value) -> tuple[Value, Value]:
         """Whether a result is shown from the next clock on, and the bank that is now."""

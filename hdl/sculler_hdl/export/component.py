@@ -115,10 +115,14 @@ def _modules(
                     if cell.block
                 },
                 initial=initial,
+                copied=not own and parts[first[each]].kind in _COPIED,
             )
         )
     return found
 
+
+_COPIED = frozenset({"compact_core", "pipelined_core"})
+"""Kinds of parts that a hardened core has several of, alike, which synthesis is not to make one."""
 
 _BEGIN = "/* verilator lint_off DECLFILENAME */  // {whole} stands in one file"
 _END = "/* verilator lint_on DECLFILENAME */\n"

@@ -74,6 +74,10 @@ def read_verilog(text: str) -> dict[str, str]:
     return {found["name"]: found[0] for found in _MODULE.finditer(text)}
 
 
+_COPIED = '(* keep_hierarchy = "yes", syn_hier = "hard" *)'
+"""Of a module whose instances are alike and have to stay: Yosys and Vivado, Synplify."""
+
+
 def tidy(
     module: str,
     ports: Sequence[str] = (),
@@ -82,6 +86,7 @@ def tidy(
     apart: Collection[str] = (),
     blocks: Mapping[str, str] = MappingProxyType({}),
     initial: bool = True,
+    copied: bool = False,
 ) -> str:
     """A module with its ports in its head.
 
@@ -92,6 +97,7 @@ def tidy(
         apart: registers that synthesis is not to make one with equal ones.
         blocks: which of `BLOCK_ATTRIBUTES` memories are that are meant for block memory, by name.
         initial: whether registers and memories get their initial values.
+        copied: whether synthesis is to leave its instances as they are, though they are alike.
     """
     found = _MODULE.fullmatch(module)
     assert found is not None, "no module"
@@ -130,7 +136,13 @@ def tidy(
     if not initial:
         body = re.sub(r"^  initial begin\n.*?^  end\n", "", body, flags=re.M | re.S)
     listed = ",\n".join(f"  {heads[port]}" for port in order)
-    lines = [*(f"// {line}".rstrip() for line in note), f"module {found['name']} (", listed, ");"]
+    lines = [
+        *(f"// {line}".rstrip() for line in note),
+        *[_COPIED] * copied,
+        f"module {found['name']} (",
+        listed,
+        ");",
+    ]
     text = "\n".join([*lines, *registers, *wires, *starts, body, "endmodule", ""])
     return re.sub(r"\b(\d+)'h0{20,}\b", r"{\1{1'h0}}", text)
 

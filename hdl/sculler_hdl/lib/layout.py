@@ -23,6 +23,11 @@ def core_members(design: Design) -> dict[str, wiring.Member]:
     return {port.name: (Out if port.output else In)(shape_of(port)) for port in core_ports(design)}
 
 
+def plain_members(design: Design) -> dict[str, wiring.Member]:
+    """`core_members` without what hardening adds."""
+    return {name: member for name, member in core_members(design).items() if name != "upset"}
+
+
 def shape_of(port: Port) -> object:
     """The shape of a port's signal."""
     return signed(port.bits) if port.declared_signed else unsigned(port.bits)

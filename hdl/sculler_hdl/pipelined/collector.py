@@ -160,15 +160,20 @@ class Transfer:
         return going
 
 
-def emit_counter(m: Module, step: Value, bits: int) -> Value:
+def emit_counter(m: Module, step: Value, bits: int, held: Value | None = None) -> Value:
     """The number of `step`s, which have to be two clocks apart or more.
 
     Its limbs of `LIMB` bits change one by one: it is right a clock for each of them after a step.
+    It counts on from `held`, where that is given, instead of its own number.
     """
     limbs = [Signal(min(LIMB, bits - lo), name=f"major_{lo}") for lo in range(0, bits, LIMB)]
     for i, limb in enumerate(limbs):
+        number = limb
+        if held is not None:
+            number = held.word_select(i, LIMB)[: len(limb)]
+            m.d.sync += limb.eq(number)
         with m.If(step):
-            m.d.sync += limb.eq(limb + 1)
+            m.d.sync += limb.eq(number + 1)
         if i + 1 < len(limbs):
             full, carry = Signal(name=f"major_full{i}"), Signal(name=f"major_carry{i}")
             m.d.sync += [full.eq(limb.all()), carry.eq(step & full)]

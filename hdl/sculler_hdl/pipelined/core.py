@@ -11,11 +11,12 @@ travel beside it (`ControlDelay`) and are looked at at those clocks.
 
 from __future__ import annotations
 
-from amaranth import Cat, Module, Mux, Signal
+from amaranth import Cat, Elaboratable, Module, Mux, ResetInserter, Signal
 from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
-from sculler_hdl.lib.layout import core_members
+from sculler_hdl.lib.layout import plain_members
 from sculler_hdl.lib.losses import Losses
 from sculler_hdl.pipelined.datapath import Datapath
 from sculler_hdl.pipelined.handover import HandOver
@@ -24,8 +25,29 @@ from sculler_hdl.pipelined.sequencer import Sequencer
 from sculler_hdl.pipelined.stream import StreamHandOver
 from sculler_hdl.plan.arrival import at_once
 from sculler_hdl.plan.pipelined import plan_pipelined
+from sculler_hdl.plan.ports import counter_ports
 from sculler_hdl.plan.schedule import STATUS_CLOCK
 from sculler_model.design import AXES, Design
+from sculler_model.golden import PORT_MAJOR_BITS
+
+
+def ties(design: Design) -> dict[str, wiring.Member]:
+    """Further members of a core that is one of several copies which agree on all they do.
+
+    Members:
+        agreed_ready (in): a sample that is offered is taken.
+        agreed_samples_lost, agreed_result_major (in): what its counters count on from.
+        ends_major (out): the sample that ends a major interval is taken in this clock.
+        restart (in), where `hardware.hardening` is "recover": as a reset.
+    """
+    restart = {"restart": In(1)} if design.hardware.hardening == "recover" else {}
+    return {
+        **restart,
+        "agreed_ready": In(1),
+        **{f"agreed_{port.name}": In(port.bits) for port in counter_ports(design)},
+        "agreed_result_major": In(PORT_MAJOR_BITS),
+        "ends_major": Out(1),
+    }
 
 
 class PipelinedCore(wiring.Component):
@@ -47,6 +69,8 @@ class PipelinedCore(wiring.Component):
     Args:
         design: the design.
         primitive: whether to instantiate the target's own multiplier blocks.
+        tied: whether it is one of the copies of a hardened core (`ties`), which hands whole results
+            over and drops none.
 
     Attributes:
         plan: what it is built of.
@@ -59,36 +83,52 @@ class PipelinedCore(wiring.Component):
         InputError: see `plan_pipelined`.
     """
 
-    def __init__(self, design: Design, *, primitive: bool = True) -> None:
+    def __init__(self, design: Design, *, primitive: bool = True, tied: bool = False) -> None:
         self.design = design
         self.primitive = primitive
+        self.tied = tied
+        self.ties = ties(design) if tied else {}
         self.plan = plan_pipelined(design)
         self.timing = self.plan.timing
         self.schedule = self.plan.schedule
-        self.sequencer = Sequencer(design, self.timing.spacing, self.timing.results)
-        made = self.schedule.handover(self.timing.results)
+        results = self.timing.results
+        self.sequencer = Sequencer(design, self.timing.spacing, results, tied=tied)
+        made = self.schedule.handover(results)
         stream = design.hardware.handover == "stream"
-        self.handover: HandOver | StreamHandOver = (StreamHandOver if stream else HandOver)(made)
+        self.handover: HandOver | StreamHandOver = (
+            StreamHandOver(made) if stream else HandOver(made, tied=tied)
+        )
         self.resources = self.plan.resources
         self.block_groups = tuple(map(tuple, self.schedule.block_groups))
         self.listing = None
-        super().__init__(core_members(design))
+        super().__init__(plain_members(design) | self.ties)
 
-    def elaborate(self, platform: object) -> Module:
+    def elaborate(self, platform: object) -> Elaboratable:
+        m = self._made()
+        return ResetInserter(self.restart)(m) if "restart" in self.ties else m
+
+    def _made(self) -> Module:
         m = Module()
         m.submodules.sequencer = sequencer = self.sequencer
         m.submodules.handover = handover = self.handover
-        m.submodules.losses = losses = Losses()
+        m.submodules.losses = losses = Losses(tied=self.tied)
         m.d.comb += [
             sequencer.sample_valid.eq(self.sample_valid),
             sequencer.sample_fault.eq(self.sample_fault),
             sequencer.result_taken.eq(handover.taken),
             sequencer.sample_lost.eq(losses.lost),
             losses.sample_valid.eq(self.sample_valid),
-            losses.sample_ready.eq(sequencer.sample_ready),
+            losses.sample_ready.eq(self.agreed_ready if self.tied else sequencer.sample_ready),
             self.sample_ready.eq(sequencer.sample_ready),
             self.samples_lost.eq(losses.count),
         ]
+        if isinstance(handover, HandOver) and self.tied:
+            m.d.comb += [
+                sequencer.agreed_ready.eq(self.agreed_ready),
+                losses.held.eq(self.agreed_samples_lost),
+                handover.held_major.eq(self.agreed_result_major),
+                self.ends_major.eq(sequencer.major_end),
+            ]
         counts = {
             sensor: [getattr(self, f"sample_{sensor}_{axis}") for axis in AXES]
             for sensor in ("gyro", "accel")

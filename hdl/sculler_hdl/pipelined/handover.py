@@ -41,16 +41,20 @@ class HandOver(wiring.Component):
         input: the bits of its components, as `plan.arrivals` says.
         ready, valid, taken: the host's handshake; `taken` in the clock it takes the result.
         dropped: how many results were dropped.
+        held_major, where it is `tied`: what the number of the result counts on from, instead of
+            itself.
         shown_major, shown_status, output: what the host sees; nothing of use while `valid` is low.
 
     Latency: `plan.latency`, from an interval's last sample to `valid`.
 
     Args:
         plan: the plan.
+        tied: see `held_major`.
     """
 
-    def __init__(self, plan: HandOverPlan) -> None:
+    def __init__(self, plan: HandOverPlan, *, tied: bool = False) -> None:
         self.plan = plan
+        self.tied = tied
         layout = result_layout(plan)
         super().__init__(
             {
@@ -66,6 +70,7 @@ class HandOver(wiring.Component):
                 "shown_major": Out(unsigned(PORT_MAJOR_BITS)),
                 "shown_status": Out(STATUS_BITS),
                 "output": Out(layout),
+                **({"held_major": In(PORT_MAJOR_BITS)} if tied else {}),
             }
         )
 
@@ -80,7 +85,9 @@ class HandOver(wiring.Component):
         if plan.majors:
             pieces += collector.majors()
         else:
-            m.d.comb += self.shown_major.eq(emit_counter(m, was_taken, PORT_MAJOR_BITS))
+            held = self.held_major if self.tied else None
+            number = emit_counter(m, was_taken, PORT_MAJOR_BITS, held)
+            m.d.comb += self.shown_major.eq(number)
         pieces += collector.components(self.input)
         if plan.moves is None:
             show = collector.takes.rest.at_clock(plan.complete)

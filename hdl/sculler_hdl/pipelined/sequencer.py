@@ -18,6 +18,8 @@ class Sequencer(wiring.Component):
 
     Members:
         sample_valid, sample_ready, sample_fault: the sample port's handshake.
+        agreed_ready (in), where it is `tied`: a sample that is offered is taken, instead of
+            `sample_ready`.
         sample_lost (in): one was lost before the sample taken in this clock.
         result_taken (in): the host takes the waiting result, to its last word, in this clock.
         taken (out): a sample is taken in this clock.
@@ -37,10 +39,14 @@ class Sequencer(wiring.Component):
         spacing: clocks from one sample to the next, at least.
         results: that may be under way or wait to be taken, 1 or 2; 2 needs major intervals of
             three samples or more.
+        tied: see `agreed_ready`.
     """
 
-    def __init__(self, design: Design, spacing: int, results: int = 1) -> None:
+    def __init__(
+        self, design: Design, spacing: int, results: int = 1, *, tied: bool = False
+    ) -> None:
         self.design = design
+        self.tied = tied
         self.spacing = spacing
         self.results = results
         super().__init__(
@@ -59,6 +65,7 @@ class Sequencer(wiring.Component):
                 "short": Out(1),
                 "fault": Out(1),
                 "lost": Out(1),
+                **({"agreed_ready": In(1)} if tied else {}),
             }
         )
 
@@ -67,7 +74,8 @@ class Sequencer(wiring.Component):
         n, minors = self.design.table.samples, self.design.algorithm.minors
 
         accept = Signal()
-        m.d.comb += accept.eq(self.sample_valid & self.sample_ready)
+        ready = self.agreed_ready if self.tied else self.sample_ready
+        m.d.comb += accept.eq(self.sample_valid & ready)
 
         # the place of the next sample, and of the one after it; what they are stands in registers
         phase, minor = Signal(range(n)), Signal(range(minors))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from sculler_model.design import AXES, STATUS_BITS, Design
+from sculler_model.design import AXES, Design
 from sculler_model.golden import COUNTER_BITS, PORT_MAJOR_BITS, WORD_BITS
 
 
@@ -96,7 +96,7 @@ def result_ports(design: Design) -> list[Port]:
         return [Port("result_data", WORD_BITS, output=True), Port("result_last", 1, output=True)]
     head = [
         Port("result_major", PORT_MAJOR_BITS, output=True),
-        Port("result_status", STATUS_BITS, output=True),
+        Port("result_status", design.status_bits, output=True),
     ]
     return [*head, *component_ports(design)]
 
@@ -117,6 +117,7 @@ def core_ports(design: Design) -> list[Port]:
         Port("result_ready", 1),
         *result_ports(design),
         *counter_ports(design),
+        *([] if design.hardware.hardening is None else [Port("upset", 1, output=True)]),
     ]
 
 
@@ -134,6 +135,7 @@ _MEANINGS = {
     "result_major": "number of the major interval, from 0 after reset",
     "result_status": "bit 0: history reached before the first sample; bit 1: a sample had fault;"
     " bit 2: a count stood at its rail; bit 3: a sample was lost",
+    "upset": "an upset was seen; as long as result_status bit 4 tells so",
     "samples_lost": "samples offered and not taken since reset; at its highest: so many or more",
     "results_dropped": "results dropped since reset; at its highest: so many or more",
 }

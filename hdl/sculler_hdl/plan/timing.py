@@ -1,9 +1,14 @@
 """The clocks that a design's core takes."""
 
+from dataclasses import replace
+
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.plan.pipelined import plan_pipelined
 from sculler_model.design import Design
 from sculler_model.golden import Timing
+
+LOOKING = 3
+"""Clocks that a hardened pipelined core of two copies looks at a result before it shows it."""
 
 
 def timing(design: Design) -> Timing:
@@ -14,4 +19,11 @@ def timing(design: Design) -> Timing:
     """
     if design.hardware.core == "compact":
         return plan_compact(design).timing
-    return plan_pipelined(design).timing
+    made = plan_pipelined(design).timing
+    if design.hardware.hardening != "detect":
+        return made
+    return replace(
+        made,
+        latency=made.latency + LOOKING,
+        handover_spacing=made.handover_spacing + LOOKING,
+    )

@@ -33,6 +33,7 @@ from sculler_model.design.reading import fault_of, with_preset
 from sculler_model.design.result import (
     FOURTH_ORDER_VECTORS,
     HIGH_RESOLUTION_VECTORS,
+    STATUS_BITS,
     THIRD_ORDER_VECTORS,
     VECTORS,
     columns_of,
@@ -223,6 +224,11 @@ class Design(Part):
     def drops_results(self) -> bool:
         """Whether the core drops a result that waits rather than make samples wait for it."""
         return self.hardware.overrun == "drop-result"
+
+    @property
+    def status_bits(self) -> int:
+        """Width of the status: a hardened core has one bit more."""
+        return STATUS_BITS + (self.hardware.hardening is not None)
 
     @property
     def has_initial_values(self) -> bool:

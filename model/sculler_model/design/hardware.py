@@ -38,6 +38,11 @@ class Hardware(Part):
         reset_active: "high", which is the default: the port is `rst`; "low": it is `rst_n`.
         clock_enable: whether there is a port `clk_en`, without which the core stands still; bus and
             front end go on, and give and take only while it is high.
+        hardening: what is done about upsets, single bits of the core's state that turn over; None,
+            which is the default: nothing.  "detect": the core is there twice, and where the two
+            differ status bit 4 and the port `upset` tell so.  "recover": it is there three times,
+            the majority goes to the ports, and a copy that differs is started again at the next
+            major interval.
     """
 
     core: Annotated[
@@ -68,6 +73,10 @@ class Hardware(Part):
         None
     )
     clock_enable: Annotated[bool | None, Field(description="true or false")] = None
+    hardening: Annotated[
+        Literal["off", "detect", "recover"] | None,
+        Field(description='"off", "detect" or "recover"'),
+    ] = None
 
     @property
     def resets_at_once(self) -> bool:
@@ -93,6 +102,25 @@ class Hardware(Part):
     @classmethod
     def _the_usual_is_left_unsaid(cls, value: str | None) -> str | None:
         return None if value in ("drop-sample", "sync", "high") else value
+
+    @field_validator("hardening")
+    @classmethod
+    def _hardening_is_built(cls, hardening: str | None, info: ValidationInfo) -> str | None:
+        if hardening in (None, "off"):
+            return None
+        for part in ("bus", "front"):
+            if info.data.get(part) is not None:
+                raise ValueError(
+                    f'"{hardening}" is not built for a core with [hardware.{part}]: leave one out'
+                )
+        if info.data.get("core") == "pipelined":
+            for key, value in {"handover": "stream", "overrun": "drop-result"}.items():
+                if info.data.get(key) == value:
+                    raise ValueError(
+                        f'"{hardening}" is not built for core = "pipelined" with'
+                        f' {key} = "{value}": leave that out, or give core = "compact"'
+                    )
+        return hardening
 
     @field_validator("clock_enable")
     @classmethod

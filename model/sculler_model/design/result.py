@@ -78,8 +78,12 @@ STATUS_LOST = 8
 """Status bit 3: a sample was offered and not taken since the last result's last sample was taken,
 so this interval is longer than its samples say."""
 
+STATUS_UPSET = 16
+"""Status bit 4, of hardened cores: an upset was seen (`hardware.hardening`); the result may be
+wrong."""
+
 STATUS_BITS = 4
-"""Width of the status."""
+"""Width of the status of a core that is not hardened; `Design.status_bits` is that of a design."""
 
 
 class Result(NamedTuple):

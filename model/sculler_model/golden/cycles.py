@@ -30,6 +30,9 @@ is inside.  The contract of both cores:
   result is never taken back.  After a whole result the next is valid `refill` clocks later at the
   earliest.  `major` counts dropped results too.
 * In a clock with `rst` high nothing is taken; afterwards every output is as at power-up.
+* `hardening`: `upset` is low and status bit 4 is 0 as long as no bit of the core's state turns
+  over.  When one has and the core has seen it, `upset` is high, and status bit 4 is set wherever a
+  status is shown, from the next clock on until `Timing.under_way` results have been taken whole.
 * `reset = "async"`: every output is as at power-up at once, in the clock in which `rst` rises, and
   stays so in the `RELEASE` clocks after it has fallen, and after power-up; in all of them
   `sample_ready` is low.  What is offered there counts for nothing.
@@ -43,9 +46,9 @@ from collections import deque
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from sculler_model.design import Design, Result
+from sculler_model.design import STATUS_UPSET, Design, Result
 from sculler_model.golden.reference import GoldenModel, Sample
-from sculler_model.golden.stream import to_words
+from sculler_model.golden.stream import to_words, words_per_column
 
 PORT_MAJOR_BITS = 64
 """Width of the parallel `result_major` port; `major` is shown modulo 2**64."""
@@ -120,6 +123,11 @@ class Timing:
             raise ValueError(f"work: {self.work} is not allowed, give whole numbers >= 0")
 
     @property
+    def under_way(self) -> int:
+        """Results under way at most: those not taken whole, and that of the present interval."""
+        return 3 if self.dropping else self.results + 1
+
+    @property
     def longest_wait(self) -> int:
         """Clocks within which something is taken, if samples are offered and results taken."""
         busy = max(self.work, default=0)
@@ -137,6 +145,8 @@ class Ports(NamedTuple):
     then they mean nothing."""
     samples_lost: int = 0
     results_dropped: int = 0
+    """0 where the core has no such port."""
+    upset: int = 0
     """0 where the core has no such port."""
 
 
@@ -213,6 +223,8 @@ class CycleModel:
         self._claims: deque[int] = deque()  # clocks at which a result is to take the place behind
         self._refused = False  # the clock before offered a sample that was not taken
         self._lost, self._dropped = _Counter(), _Counter()
+        self._told = 0  # results to be taken until nothing tells of an upset any more
+        self._seen = False  # an upset, in the present clock
 
     def ports(self) -> Ports:
         """What the outputs show during the present clock, before its inputs are known.
@@ -233,8 +245,22 @@ class CycleModel:
             first = self._results[0]
             if self._clock >= max(first.ended + self.timing.latency, self._ports_free):
                 valid, shown = 1, first.shown[0]
+                if self._told:
+                    shown = self._with_upset(shown, len(first.shown))
         lost, dropped = self._lost.at(self._clock), self._dropped.at(self._clock)
-        return Ports(int(ready), valid, shown, lost, dropped)
+        return Ports(int(ready), valid, shown, lost, dropped, int(self._told > 0))
+
+    def upset(self) -> None:
+        """A hardened core sees an upset in the present clock."""
+        self._seen = True
+
+    def _with_upset(self, shown: tuple[int, ...], left: int) -> tuple[int, ...]:
+        """What is shown, with the status' bit 4; `left` is it, and what is shown after it."""
+        if not self._stream:
+            return (shown[0], shown[1] | STATUS_UPSET, *shown[2:])
+        per_column = words_per_column(self.design)
+        place = len(self.design.columns) * per_column - left
+        return (shown[0] | STATUS_UPSET, shown[1]) if place == per_column else shown
 
     def clock(
         self, offered: Sample | None, result_ready: int, rst: int = 0, clk_en: int = 1
@@ -267,6 +293,8 @@ class CycleModel:
         self._drop()
         if shown.result_valid and result_ready:
             self._take_result()
+        if self._seen:
+            self._told, self._seen = self.timing.under_way, False
         if self._refused and offered is None:
             self.golden.lose()
             self._lost.count(self._clock + 2)
@@ -308,6 +336,7 @@ class CycleModel:
         self._ports_free = self._clock + self.timing.handover_spacing
         if not shown:
             self._results.popleft()
+            self._told = max(self._told - 1, 0)
             if self.timing.dropping is not None:
                 self._ports_free = self._clock + self.timing.dropping.refill
 

@@ -28,6 +28,7 @@ from sculler_model.design import (
     STATUS_LOST,
     STATUS_RAIL,
     STATUS_SHORT_HISTORY,
+    STATUS_UPSET,
     Design,
     Interval,
     Result,
@@ -116,6 +117,10 @@ class GoldenModel:
     def lose(self) -> None:
         """A sample was offered and not taken: it marks the interval of the next one taken."""
         self.status |= STATUS_LOST
+
+    def upset(self) -> None:
+        """A hardened core has seen an upset: it marks the interval of the next sample."""
+        self.status |= STATUS_UPSET
 
     def step(self, gyro: Vec, accel: Vec, fault: int = 0) -> Result | None:
         """Take the sample of time t.

@@ -38,10 +38,18 @@ _HARNESSED = frozenset({"ice40", "nexus", "gowin", "gatemate"})
 _SCRIPT = """
 read_verilog core.v
 {synthesis} -top {core}
+{whole}
 delete t:$scopeinfo
 write_verilog -noattr netlist.v
 write_json core.json
 """
+
+_WHOLE = """
+setattr -mod -unset keep_hierarchy *
+flatten
+opt_clean
+"""
+"""The copies of a hardened core, which synthesis has left apart, in one module for nextpnr."""
 
 _HARNESS_SCRIPT = """
 design -stash synthesised
@@ -137,7 +145,14 @@ def synthesise(generated: Generated, family: Family, part: str = "") -> Synthesi
         (work / "core.v").write_text(generated.verilog, encoding="utf-8")
         (work / "harness.v").write_text(around, encoding="utf-8")
         padded = _WITHOUT_PADS.sub("", synthesis)
-        text = script.format(synthesis=synthesis, padded=padded, core=name, top=TOP)
+        hardened = generated.manifest.design.hardware.hardening is not None
+        text = script.format(
+            synthesis=synthesis,
+            padded=padded,
+            core=name,
+            top=TOP,
+            whole=_WHOLE if hardened else "",
+        )
         (work / "script.ys").write_text(text, encoding="utf-8")
         status, log = YOSYS.run(work, "script.ys")
         wrong = _WRONG.search(log)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from sculler.words import plural
-from sculler_model.design import STATUS_FAULT, STATUS_LOST, STATUS_RAIL
+from sculler_model.design import STATUS_FAULT, STATUS_LOST, STATUS_RAIL, STATUS_UPSET
 from sculler_model.navigation import Alignment, FineAlignment, NavState
 
 STATUSES = {
     "fault_results": (STATUS_FAULT, "with faulty samples (status bit 1)"),
     "rail_results": (STATUS_RAIL, "with a count at its rail (status bit 2)"),
     "lost_results": (STATUS_LOST, "after samples that were lost (status bit 3)"),
+    "upset_results": (STATUS_UPSET, "that an upset may have spoilt (status bit 4)"),
 }
 """By key in JSON: status bits that are told, and what they say of a result."""
 
