@@ -14,6 +14,7 @@
 #   make soc       docs/explanation/chip.md: the whole chip flies a log in Verilator, and is placed; ten minutes
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route, about half an hour
 #   make upsets    docs/explanation/hardening.md: bits of running cores turned over, one by one; half an hour
+#   make evidence  docs/explanation/evidence.md and build/evidence.json: requirements with their design, tests and proofs
 #   make prove   tries to prove port contract and arithmetic of small cores, and writes what it proved; an hour or more
 #   make mutate  changed cores against the test bench that is handed out; hours, goes on where it stopped
 #   make docs    the site of docs/ in build/site, without warnings; DOCS_FLAGS=... for MkDocs
@@ -27,7 +28,7 @@ READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses memories host-c soc upsets prove mutate release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses memories host-c soc upsets evidence prove mutate release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY) $(TOOLS)
@@ -138,6 +139,9 @@ memories: $(TOOLS)
 
 upsets: $(TOOLS)
 	$(BIN)/python -m studies.upsets
+
+evidence: $(READY)
+	$(BIN)/python -m studies.evidence
 
 host-c: $(READY)
 	$(BIN)/python -m studies.host_c
