@@ -98,6 +98,12 @@ FAULTS: dict[str, Fault] = {
         "latency=published + handover + 1,",
         ("hdl/test_compact.py",),
     ),
+    "majority": Fault(
+        "a hardened core takes its second copy for the majority",
+        "    return a & b | a & c | b & c\n",
+        "    return b\n",
+        ("sim/test_hardened.py",),
+    ),
     "bench": Fault(
         "the generated test bench counts no lost sample",
         "if (withdrawn && lost != COUNTER_MAX) lost <= lost + 1;",
