@@ -48,8 +48,8 @@ def copies(found: dict[str, set[Any]], design: Design) -> list[tuple[str, str]]:
             pairs += [(f"{sensor}_{axis}", name) for name in late]
     held: dict[str, list[str]] = {}
     for name in found:
-        if part := re.fullmatch(r"(cross_within\.)held\d+_(\w+)", name):
-            held.setdefault(part[2], []).append(name)
+        if part := re.fullmatch(r"(\w+\.)+held\d+_(\w+)", name):
+            held.setdefault(part[1] + part[2], []).append(name)
     return pairs + [pair for names in held.values() for pair in combinations(names, 2)]
 
 
@@ -78,4 +78,18 @@ def test_copies_stay_apart_in_every_flow(target: str, initial: bool, tmp_path: P
     found = nets(generate(design).verilog, FLOWS[target], design.name, tmp_path)
     held = [pair for pair in copies(found, design) if "held" in pair[0]]
     assert held or target in ("xilinx", "generic")
+    assert merged(found, design) == []
+
+
+@pytest.mark.deep
+def test_copies_of_every_array_stay_apart(tmp_path: Path) -> None:
+    """The third array too, which position at high resolution has."""
+    hardware = {"core": "pipelined", "target": "ecp5", "initial": False}
+    algorithm = {"position": "high-resolution"}
+    design = Design.parse(
+        {"preset": "stim300", "name": "higher", "algorithm": algorithm, "hardware": hardware}
+    )
+    found = nets(generate(design).verilog, MERGING, design.name, tmp_path)
+    held = {one.partition(".held")[0] for one, _ in copies(found, design) if ".held" in one}
+    assert len(held) >= 2
     assert merged(found, design) == []
