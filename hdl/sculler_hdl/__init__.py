@@ -21,6 +21,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from sculler_hdl.bus.bus import ResultBus as ResultBus
     from sculler_hdl.clocked import ClockedCore as ClockedCore
     from sculler_hdl.core import Core as Core
     from sculler_hdl.core import build_core as build_core
@@ -63,6 +64,7 @@ _PLACES = {
     "Manifest": "export.manifest",
     "Port": "plan.ports",
     "RegisterMap": "plan.registers",
+    "ResultBus": "bus.bus",
     "StreamCore": "streams",
     "TARGETS": "targets",
     "Target": "targets",
@@ -98,6 +100,7 @@ __all__ = [
     "Manifest",
     "Port",
     "RegisterMap",
+    "ResultBus",
     "StreamCore",
     "Target",
     "amaranth_source",

@@ -15,11 +15,13 @@ from sculler.runs.hardware import write_hardware
 from sculler_hdl import RegisterMap, generate
 from sculler_model.errors import InputError, ToolError
 from sculler_sim.package import port_watch
+from sculler_sim.package.bus_watch import watched_read
 from sculler_sim.package.datasheet import data_sheet_texts, read_report
 from sculler_sim.package.diagrams import diagrams
 from sculler_sim.package.drawing import svg
 from sculler_sim.package.port_watch import watched
 from strategies import DESIGNS, make_design, with_hardware
+from tiers import few_of
 
 PIPELINED = make_design("sheet", 2, 1, 2, (8, 8), hardware={"core": "pipelined"})
 COMPACT = with_hardware(PIPELINED, core="compact", bus={"result": "apb"}, reset_active="low")
@@ -58,6 +60,28 @@ def test_a_run_that_is_not_as_the_model_says_is_no_data_sheet(monkeypatch) -> No
         ToolError, match=r"clock 5: the simulator shows sample_ready 0, the model 1"
     ):
         watched(PIPELINED)
+
+
+# of reference/bus.md: the request's signal, the answer's, clocks from the first of one to the other
+READS = {
+    "axi-lite": ("s_axi_arvalid", "s_axi_rvalid", 5),
+    "apb": ("s_apb_penable", "s_apb_pready", 4),
+    "wishbone": ("wb_stb", "wb_ack", 4),
+}
+
+
+@pytest.mark.parametrize("bus", few_of(READS, ["axi-lite"]))
+def test_a_read_takes_as_long_as_the_page_has_it(bus: tuple[str, str, int]) -> None:
+    request, answer, clocks = bus
+    kind = next(kind for kind, one in READS.items() if one == bus)
+    for clock in ("same", "separate"):
+        design = with_hardware(PIPELINED, core="compact", bus={"result": kind, "clock": clock})
+        seen = watched_read(design)
+        asked = next(i for i, now in enumerate(seen) if now[request])
+        answered = next(i for i, now in enumerate(seen) if now[answer])
+        assert answered - asked == clocks if clock == "same" else answered - asked > clocks
+        shown = [name for name in seen[answered] if name.endswith(("rdata", "dat_r"))]
+        assert [seen[answered][name] for name in shown] == [int.from_bytes(b"SCUL", "big")]
 
 
 class Page(HTMLParser):
@@ -114,6 +138,7 @@ def test_the_page_has_ports_registers_and_the_placement(tmp_path: Path) -> None:
         "Out of reset",
         "From a major interval's last sample to its result",
         "The last words of a result",
+        "A read of a register",
     ]
     assert waves[0]["signal"][1]["name"] == "rst_n"
     (last,) = [lane for lane in waves[2]["signal"] if lane["name"] == "result_last"]

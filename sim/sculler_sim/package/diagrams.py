@@ -9,6 +9,7 @@ from typing import Any
 
 from sculler_model.design import Design
 from sculler_model.golden import WORD_BITS
+from sculler_sim.package.bus_watch import ACCESSES, watched_read
 from sculler_sim.package.port_watch import RESET_CLOCK, Clock, watched
 
 GAP = None
@@ -55,7 +56,7 @@ class Diagram:
 
 
 def diagrams(design: Design) -> list[Diagram]:
-    """The diagrams of a design's core: out of reset; from the last sample to the result.
+    """The diagrams of a design: the core's, out of reset, and to a result; a read of registers.
 
     Raises:
         ToolError: the simulated core is not as the cycle model says.
@@ -68,7 +69,26 @@ def diagrams(design: Design) -> list[Diagram]:
         shown.append(_result(design, run, taken[design.samples_per_major - 1], valid[0]))
     if valid and design.hardware.handover == "stream":
         shown.append(_last_words(design, run, len(run) - 4))
-    return shown
+    bus = design.hardware.bus
+    return [*shown, _read(design)] if bus is not None and bus.result in ACCESSES else shown
+
+
+def _read(design: Design) -> Diagram:
+    """A read of the bus's registers."""
+    seen = watched_read(design)
+    bus = design.hardware.bus
+    clock = "clk" if bus is None or bus.clock == "same" else "bus_clk"
+    lanes = [Lane(clock)]
+    for name in seen[0]:
+        number = max(now[name] for now in seen) > 1 or name.endswith(("addr", "adr"))
+        cells = (f"{now[name]:x}" if number else now[name] for now in seen)
+        lanes.append(Lane(name, tuple(cells)))
+    return Diagram(
+        "A read of a register",
+        "The host reads identity, which has the letters SCUL; numbers are hexadecimal.",
+        tuple(range(len(seen))),
+        tuple(lanes),
+    )
 
 
 def _after_reset(design: Design, run: Sequence[Clock], first: int) -> Diagram:
