@@ -155,7 +155,9 @@ class PortTrace:
             np.array([ports.sample_ready for ports in shown], np.uint8),
             np.array([ports.result_valid for ports in shown], np.uint8),
             np.array([ports.result for ports in shown], object).reshape(-1, len(names)),
-            np.array([ports[3:] for ports in shown], np.uint16).reshape(-1, 2),
+            np.array(
+                [(ports.samples_lost, ports.results_dropped) for ports in shown], np.uint16
+            ).reshape(-1, 2),
             names,
         )
 
