@@ -99,7 +99,7 @@ def test_a_design_for_something_else_is_refused(
 
 
 @pytest.mark.deep
-@pytest.mark.parametrize(("board", "bus"), TOPS)
+@pytest.mark.parametrize(("board", "bus"), [*TOPS, ("icebreaker", "axi-lite")])
 def test_the_makefile_makes_a_bitstream_that_holds_the_clock(
     board: str, bus: str, tmp_path: Path
 ) -> None:

