@@ -9,7 +9,7 @@ from amaranth.lib.wiring import In, Out
 from sculler_hdl.core import build_core
 from sculler_hdl.lib.layout import vector
 from sculler_hdl.plan.ports import counter_ports
-from sculler_model.design import AXES, STATUS_BITS, Design
+from sculler_model.design import AXES, Design
 from sculler_model.golden import COUNTER_BITS, PORT_MAJOR_BITS, WORD_BITS
 
 
@@ -22,14 +22,14 @@ def sample_layout(design: Design) -> data.StructLayout:
 def result_layout(design: Design) -> data.StructLayout:
     """A result, or with `handover = "stream"` a word of it.
 
-    A result has `major` (unsigned, 64 bits), `status` (4 bits) and the design's vectors, three
-    signed components each: `alpha`, `coning_within` and so on, as wide as their worst case.  A word
-    has `data` (16 bits) and `last`, which marks the last of a result.
+    A result has `major` (unsigned, 64 bits), `status` (4 bits, 5 of a hardened core) and the
+    design's vectors, three signed components each: `alpha`, `coning_within` and so on, as wide as
+    their worst case.  A word has `data` (16 bits) and `last`, which marks the last of a result.
     """
     if design.hardware.handover == "stream":
         return data.StructLayout({"data": unsigned(WORD_BITS), "last": 1})
     vectors = {name: vector(getattr(design.words, name)) for name in design.vectors}
-    head = {"major": unsigned(PORT_MAJOR_BITS), "status": unsigned(STATUS_BITS)}
+    head = {"major": unsigned(PORT_MAJOR_BITS), "status": unsigned(design.status_bits)}
     return data.StructLayout(head | vectors)
 
 
@@ -42,6 +42,7 @@ class StreamCore(wiring.Component):
         samples_lost (out): unsigned, 16 bits: samples offered and withdrawn.  A source that keeps
             to the rules of streams holds its offer and loses none.
         results_dropped (out): the same of results, where the design drops them.
+        upset (out): of a hardened core: an upset was seen (`sculler_model.golden`).
 
     It works in the domain `sync`, with whatever reset that has, and without one from its initial
     values; `DomainRenamer` takes it to another.  For a clock enable use `ClockEnableInserter`,
@@ -73,6 +74,7 @@ class StreamCore(wiring.Component):
                 "samples": In(stream.Signature(sample_layout(design))),
                 "results": Out(stream.Signature(result_layout(design))),
                 **{port.name: Out(unsigned(COUNTER_BITS)) for port in counter_ports(design)},
+                **({"upset": Out(1)} if design.hardware.hardening else {}),
             }
         )
 
@@ -103,4 +105,6 @@ class StreamCore(wiring.Component):
             getattr(self, port.name).eq(getattr(core, port.name))
             for port in counter_ports(self.design)
         ]
+        if self.design.hardware.hardening:
+            m.d.comb += self.upset.eq(core.upset)
         return m

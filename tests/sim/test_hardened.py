@@ -9,7 +9,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from sculler_hdl import result_ports, sample_ports
+from sculler_hdl import StreamCore, result_layout, result_ports, sample_ports
 from sculler_model.design import STATUS_UPSET
 from sculler_model.golden import words_per_column, words_per_result
 from sculler_sim.engine import trace
@@ -46,6 +46,13 @@ def test_undisturbed_every_port_is_as_the_cycle_model_says(hardening, hardware):
     stimulus = Stimulus(3, longest=60, resets=frozenset({700}), gives_up=True)
     runs = [trace(design, counts, faults, stimulus, 1100, e) for e in ("model", "amaranth")]
     assert runs[0].first_difference(runs[1]) is None
+
+
+def test_streams_carry_the_bit_and_the_port():
+    for hardening, bits in ((None, 4), ("detect", 5)):
+        design = compact(core="pipelined", hardening=hardening)
+        assert result_layout(design)["status"].shape.width == bits
+        assert ("upset" in StreamCore(design).signature.members) == (hardening is not None)
 
 
 BENCH = """module bench;
