@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from sculler_model.algorithms import ORDERS
 from sculler_model.analysis.integer_path import changed, running_attitude, with_fine_sensor
+from sculler_model.analysis.iteration import DEGREE, attitude_on
 from sculler_model.analysis.manoeuvre import Manoeuvre, errors, true_attitude
 from sculler_model.analysis.triple import ConingTurn
 from sculler_model.design import Design
@@ -43,6 +44,8 @@ class Left:
         largest: the largest on the way, rad.
         velocity: at the end, m/s, with the true attitude at the start of each interval; None for
             motions without force.
+        iteration: the attitude at the end iterated to convergence on the same exact samples
+            (`iteration`), rad; of every order the same.
     """
 
     minors: int
@@ -50,6 +53,7 @@ class Left:
     attitude: float
     largest: float
     velocity: float | None
+    iteration: float
 
 
 @dataclass(frozen=True)
@@ -103,6 +107,7 @@ def left_by_order(
     motion: HeldConing | Manoeuvred,
     minors: Sequence[int],
     seconds: float,
+    degree: int = DEGREE,
 ) -> Iterator[Left]:
     """Errors of each order over a run on a sensor too fine to matter, for several M.
 
@@ -111,6 +116,7 @@ def left_by_order(
         motion: the motion.
         minors: values of M.
         seconds: length of the run, cut to whole major intervals.
+        degree: of the polynomial that `iteration` puts through the samples.
 
     Raises:
         InputError: the design can have no third order.
@@ -124,6 +130,9 @@ def left_by_order(
     for M in minors:
         times = M * n * T * np.arange(majors[M] + 1, dtype=np.float64)
         true = motion.attitudes(times)
+        hand_over = changed(design, algorithm={"minors": M})
+        allowed = attitude_on(hand_over, samples[: M * n * majors[M]], degree=degree)
+        iteration = MICRO * float(errors(allowed[-1:], true[-1:])[0])
         for order in ORDERS:
             of_this = changed(fine, algorithm={"minors": M, "order": order})
             found = major_increments(of_this, run_fast(of_this, counts[: M * n * majors[M]]))
@@ -133,9 +142,8 @@ def left_by_order(
                 starts = np.concatenate(([[1.0, 0, 0, 0]], true[:-1]))
                 reached = _turned(starts, found.dv_sf).sum(axis=0)
                 velocity = float(np.linalg.norm(reached - times[-1] * motion.force()))
-            yield Left(
-                M, order, float(errors_on_the_way[-1]), float(errors_on_the_way.max()), velocity
-            )
+            end, largest = float(errors_on_the_way[-1]), float(errors_on_the_way.max())
+            yield Left(M, order, end, largest, velocity, iteration)
 
 
 def _turned(q: Array, vectors: Array) -> Array:

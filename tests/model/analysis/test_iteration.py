@@ -15,6 +15,7 @@ from sculler_model.analysis.frequency import Cone, drift, iteration_drift
 from sculler_model.analysis.integer_path import changed, rotation_vectors, running_attitude
 from sculler_model.analysis.iteration import attitude_on, iterated
 from sculler_model.analysis.manoeuvre import Manoeuvre, errors, true_attitude
+from sculler_model.analysis.orders import HeldConing, left_by_order
 from sculler_model.analysis.triple import ConingTurn, left
 from sculler_model.design import Design
 from sculler_model.errors import InputError
@@ -125,3 +126,6 @@ def test_a_spin_cone_is_to_rounding_where_second_order_is_not() -> None:
     assert found.iteration < 1e-12
     assert found.second_order > 1e-6
     assert found.host < found.second_order / 300
+    held = list(left_by_order(fine_design(4, minors=5), HeldConing(motion), [5], 0.5))
+    assert {each.iteration for each in held} == {held[0].iteration}
+    assert held[0].iteration < 1e-12 < held[-1].attitude

@@ -69,7 +69,8 @@ def command(design_name: str, as_json: bool, **asked: Any) -> None:
 
     The design's sample rate and coefficients run on a sensor too fine to matter, through the
     core's integers.  A coning body is held up by a force that is constant outside, so its true
-    velocity is known as exactly as its attitude.  DESIGN must have increments.
+    velocity is known as exactly as its attitude.  Last what the samples allow: the attitude at the
+    end, iterated to convergence on a polynomial through them.  DESIGN must have increments.
     """
     from sculler.runs.analysis import OrdersPlan, orders_study
 
@@ -87,8 +88,8 @@ def _table(data: dict[str, Any]) -> Table:
         title=f"[bold]{data['design']}: {data['motion']}, {data['seconds']:g} s[/]",
         title_justify="left",
     )
-    columns = ("M", "hand-over (Hz)", "order", "attitude (″)", "largest (″)", "velocity (m/s)")
-    for column in columns:
+    columns = ("M", "hand-over (Hz)", "order", "attitude (″)", "largest (″)")
+    for column in (*columns, "velocity (m/s)", "iteration (″)"):
         table.add_column(column, justify="right")
     for row in data["orders"]:
         velocity = row["velocity"]
@@ -99,5 +100,6 @@ def _table(data: dict[str, Any]) -> Table:
             f"{row['attitude_arcsec']:.2g}",
             f"{row['largest_arcsec']:.2g}",
             "-" if velocity is None else f"{velocity:.2g}",
+            f"{row['iteration_arcsec']:.2g}",
         )
     return table

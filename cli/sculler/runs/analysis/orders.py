@@ -118,7 +118,7 @@ def orders_study(plan: OrdersPlan, *, advance: Advance = silent) -> dict[str, An
     rows = []
     for found in left_by_order(plan.design, plan.motion, plan.minors, plan.length):
         row = asdict(found)
-        for key in ("attitude", "largest"):
+        for key in ("attitude", "largest", "iteration"):
             row[f"{key}_arcsec"] = degrees(row.pop(key)) * 3600
         rows.append({"hand_over_hz": 1 / (found.minors * plan.minor_interval), **row})
         advance(1)
