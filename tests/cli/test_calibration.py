@@ -85,6 +85,7 @@ def test_round_trip(run: Run, tmp_path: Path) -> None:
     assert found[1] < perfect[1] + 2e-3
 
 
+@pytest.mark.deep
 def test_out_of_results(run: Run, tmp_path: Path) -> None:
     paths = flown(run, tmp_path, LINEAR)
     perfect = final(run, paths, paths["good.csv"])

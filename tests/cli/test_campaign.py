@@ -77,6 +77,20 @@ def test_a_perfect_sensor_in_the_true_state_makes_no_error(tmp_path: Path) -> No
     assert np.abs(found["tilt_north_rad"]).max() < 1e-7
 
 
+def test_the_height_is_held_to_the_true_one(tmp_path: Path) -> None:
+    """In a climb a damped height strays, but not where a perfect barometer tells it."""
+    down = {}
+    for height in ("initial", "true"):
+        text = SMALL.format(runs=1).replace('"turn"', '"flight"').replace('"stim300"', '"hg4930"')
+        text = text.replace("tilt_mrad = 1.0\nposition = 2.0\n", "").replace("0.4", "200")
+        text = text.replace('errors = { preset = "hg4930" }\n', "")
+        damping = f'[navigator]\nheight_damping = 60.0\nheight = "{height}"\n[motion]'
+        found = fly(Campaign.load(campaign(tmp_path, text.replace("[motion]", damping))), 1, [1])
+        down[height] = float(np.abs(found["position_down_m"]).max())
+    assert down["initial"] > 10
+    assert down["true"] < 0.01
+
+
 def test_it_goes_on_where_it_stopped_and_takes_more_runs(run: Run, tmp_path: Path) -> None:
     path, out = campaign(tmp_path, SMALL.format(runs=2)), tmp_path / "out"
     first = run("campaign", path, "-o", out, "--workers", 1, "--json")
@@ -233,7 +247,7 @@ def of_twin(change: Callable[[Any], Any]) -> Callable[..., Any]:
     """In place of the hardware, the twin with a change of its blocks."""
     from sculler_model.fast import FastModel
 
-    def simulate(design: Any, chunks: Any, **options: Any) -> Any:
+    def simulate(design: Any, chunks: Any, *options: Any) -> Any:
         model = FastModel(design)
         for counts, _ in chunks:
             yield change(model.feed(counts))

@@ -101,6 +101,7 @@ def test_what_is_made_is_what_was_asked() -> None:
     assert worst_ratio(curve, 1.6 * asked) > 1.4
 
 
+@pytest.mark.deep
 def test_blocks_and_thinning_change_nothing() -> None:
     """The thinned sum is the sum; a record of 200,000 is thinned by four."""
     rates = np.random.default_rng(2).normal(size=(200_000, 6))

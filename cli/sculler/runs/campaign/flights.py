@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from importlib.util import find_spec
 from typing import Any
@@ -19,6 +19,7 @@ from sculler_model.host import major_increments
 from sculler_model.motion import delivered
 from sculler_model.navigation import (
     HeightDamping,
+    HeightReference,
     NavHistory,
     Navigator,
     NavState,
@@ -61,7 +62,7 @@ def fly(campaign: Campaign, number: int, seeds: Sequence[int]) -> dict[str, NDAr
     samples = round(campaign.tables.seconds * design.sensor.sample_rate_hz)
     checks = Checkpoints(campaign, design, samples)
     runs = [_Run(campaign, design, checks, seed) for seed in seeds]
-    for chunk in delivered(campaign.motion, design, samples):
+    for chunk in felt(campaign, design):
         for run in runs:
             run.take(chunk)
     rows = np.concatenate([run.errors() for run in runs])
@@ -74,6 +75,12 @@ def fly(campaign: Campaign, number: int, seeds: Sequence[int]) -> dict[str, NDAr
     return found | dict(zip(COLUMNS[3:], rows.T, strict=True))
 
 
+def felt(campaign: Campaign, design: Design) -> Iterator[Array]:
+    """The samples of perfect sensors that every run of a design begins with, block by block."""
+    samples = round(campaign.tables.seconds * design.sensor.sample_rate_hz)
+    return delivered(campaign.motion, design, samples)
+
+
 class Checkpoints:
     """The instants at which errors are kept, and the truth there.
 
@@ -82,6 +89,7 @@ class Checkpoints:
         start: time of its beginning, s.
         intervals: numbers of the intervals at whose end errors are kept.
         truth: the states there.
+        barometer: instants (s) and true heights (m) to hold to; None for the initial one.
 
     Raises:
         InputError: there is no whole major interval.
@@ -103,6 +111,11 @@ class Checkpoints:
         self.start = interval_end(design, self.first - 1)
         times = [interval_end(design, number) for number in self.intervals.tolist()]
         self.truth = campaign.motion.state(np.array(times))
+        self.barometer: tuple[Array, Array] | None = None
+        if campaign.tables.navigator.height == "true":
+            many = round(10 * campaign.tables.seconds) + 1
+            instants = 0.1 * np.arange(many, dtype=np.float64)
+            self.barometer = instants, campaign.motion.state(instants).h
 
 
 class _Run:
@@ -115,8 +128,12 @@ class _Run:
         true = campaign.motion.state(np.array([checks.start])).state(0)
         table = campaign.tables.navigator
         damping = None
+        self._height: HeightReference | None = None
         if table.height_damping is not None:
             damping = HeightDamping(true.h, table.height_damping)
+            if checks.barometer is not None:
+                self._height = HeightReference(*checks.barometer)
+                damping = HeightDamping(None, table.height_damping, self._height.hold)
         self._navigator = Navigator(
             disturbed(true, campaign.tables.initial, seed),
             design.major_interval,
@@ -133,6 +150,10 @@ class _Run:
             block = self._model.feed(self._quantise(self._imperfect(chunk)))
             found = major_increments(self._design, block)
             begin, end = self._number, self._number + len(found)
+            if self._height is not None:
+                first, T = interval_end(self._design, begin - 1), self._design.major_interval
+                begins = first + T * np.arange(len(found))
+                found = replace(found, heights=self._height.at(begins))
             self._number = end
             skipped = min(max(self._checks.first - begin, 0), len(found))
             if skipped == len(found):

@@ -6,20 +6,21 @@ import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sculler.formats.comparison import difference
+from sculler.runs.campaign.flights import felt
 from sculler.runs.campaign.plan import Campaign
 from sculler.runs.engines import choose_engine
 from sculler.words import plural
 from sculler_model.design import Design
 from sculler_model.fast import FastModel, VectorBlock
-from sculler_model.motion import as_felt
 from sculler_model.outputs import replacing
 from sculler_model.samples import Imperfect, Quantiser
-from sculler_sim.engine import EngineName, simulate
-from sculler_sim.run import Chunk
-from sculler_sim.stimulus import Stimulus
+
+if TYPE_CHECKING:
+    from sculler_sim.engine import EngineName
+    from sculler_sim.run import Chunk
 
 _CHUNK = 4096  # samples: what waits to be compared stays small
 
@@ -80,10 +81,9 @@ def _hold(campaign: Campaign, number: int, seed: int) -> Held:
     twin = _Twin(campaign, design, seed)
     dropping = design.hardware.overrun == "drop-result"
     longest = max(256, 4 * design.samples_per_major)
-    steady = dropping or not table.stalls
-    stimulus = Stimulus.always() if steady else Stimulus.stalls(seed, longest)
+    stalls = None if dropping or not table.stalls else (seed, longest)
     results, different = 0, None
-    for block in simulate(design, twin.chunks(), engine=engine, stimulus=stimulus):
+    for block in simulate(design, twin.chunks(), engine, stalls):
         expected = twin.next(len(block))
         gone = difference(expected, block, results)
         results += len(block)
@@ -94,6 +94,17 @@ def _hold(campaign: Campaign, number: int, seed: int) -> Held:
         different = f"the hardware lacks the last {plural(left, 'result')}"
     label = campaign.labels[number]
     return Held(label, seed, engine, twin.samples, results, different)
+
+
+def simulate(
+    design: Design, chunks: Iterator[Chunk], engine: EngineName, stalls: tuple[int, int] | None
+) -> Iterator[VectorBlock]:
+    """Results of the hardware; `stalls`: seed and longest.  Who only flies needs no Amaranth."""
+    from sculler_sim.engine import simulate as run
+    from sculler_sim.stimulus import Stimulus
+
+    stimulus = Stimulus.always() if stalls is None else Stimulus.stalls(*stalls)
+    return run(design, chunks, engine=engine, stimulus=stimulus)
 
 
 @dataclass
@@ -114,9 +125,7 @@ class _Twin:
         many = round(seconds * design.sensor.sample_rate_hz)
         imperfect, quantise = Imperfect(design, self.seed), Quantiser(design)
         model = FastModel(design)
-        whole = round(self.campaign.tables.seconds * design.sensor.sample_rate_hz)
-        felt = as_felt(self.campaign.motion, design)
-        for chunk in felt.chunks(design.sensor.kind, whole, design.sample_interval):
+        for chunk in felt(self.campaign, design):
             counts = quantise(imperfect(chunk))[: many - self.samples]
             for first in range(0, len(counts), _CHUNK):
                 part = counts[first : first + _CHUNK]

@@ -93,11 +93,14 @@ class NavigatorTable(Part):
     """How the host navigates.
 
     Attributes:
-        height_damping: s, time constant of a loop that holds the initial height; none if left out.
+        height_damping: s, time constant of a loop that holds the height; none if left out.
+        height: what it holds to: "initial", the run's first height, or "true", as a perfect
+            barometer tells it ten times a second.
         position_every: major intervals from one position update to the next.
     """
 
     height_damping: Annotated[float | None, Field(gt=0, description="a number > 0 (s)")] = None
+    height: Annotated[Literal["initial", "true"], Field(description="initial or true")] = "initial"
     position_every: Annotated[int, Field(ge=1, description="a whole number >= 1")] = 1
 
 
@@ -291,6 +294,8 @@ class Campaign:
         tables = self.tables.model_dump(
             mode="json", exclude={"runs", "design", "first_seed", "rtl"}
         )
+        if self.tables.navigator.height == "initial":  # as before there was another
+            del tables["navigator"]["height"]
         points = self.tables.motion.points
         data = {
             "tables": tables,
