@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+import sysconfig
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -27,8 +28,9 @@ DEEP = {
     "fly-a-campaign",
     "sensor-wire",
     "on-a-bus",
+    "stranger",
 }
-"""Pages that take long to run: whole simulations, pictures."""
+"""Pages that take long to run: whole simulations, pictures, a bitstream."""
 
 NOT_RUN = 33
 """Blocks of all pages that may be left out; four are run by tests of a release."""
@@ -54,7 +56,9 @@ def session(
     (programs / "sculler").symlink_to(sculler)
     (programs / "python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
     (programs / "python").chmod(0o755)
-    monkeypatch.setenv("PATH", f"{programs}{os.pathsep}{os.environ['PATH']}")
+    # Yosys and nextpnr are programs of this Python's environment
+    path = [str(programs), os.environ["PATH"], sysconfig.get_path("scripts")]
+    monkeypatch.setenv("PATH", os.pathsep.join(path))
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(p for p in sys.path if p))
     monkeypatch.setenv("LC_ALL", "C.UTF-8")
     monkeypatch.chdir(folder)
