@@ -141,6 +141,10 @@ def test_motion_in_the_rest_window_is_told() -> None:
     found = sculler.navigate(design, vectors, attitude_only=True, rest=(0.0, 2.0))
     assert found.rest is not None
     assert "the rates wander by 13.3" in found.rest.warnings[0]
+    assert len(found.rest.warnings) == 1
+    found = sculler.navigate(design, vectors, attitude_only=True, rest=(1.0, 60.0))
+    assert found.rest is not None
+    assert found.rest.warnings[-1] == "rest: 2 s of the 59 s asked for lie in the run"
     assert np.isnan(found.history.v).all()
 
 

@@ -194,8 +194,13 @@ class RestWindow:
         mean = rates.mean(axis=0)
         sigma = rates.std(axis=0, ddof=1) / sqrt(len(rates))
         told = _unrest(rates, mean)
-        warnings = () if told is None else (f"rest: {told}: check that the unit rests there",)
-        return RestBias(self._begin, self._end, _three(mean), _three(sigma), self._earth, warnings)
+        warnings = [] if told is None else [f"rest: {told}: check that the unit rests there"]
+        there, asked = len(rates) * self._interval, self._end - self._begin
+        if there < 0.99 * asked - 2 * self._interval:
+            warnings.append(f"rest: {there:g} s of the {asked:g} s asked for lie in the run")
+        return RestBias(
+            self._begin, self._end, _three(mean), _three(sigma), self._earth, tuple(warnings)
+        )
 
 
 LARGEST_BIAS = radians(1.0)
