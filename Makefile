@@ -8,6 +8,7 @@
 #   make lint    formatter, linter, type checker, import directions
 #   make bench   speeds, medians of several runs
 #   make accuracy  docs/explanation/accuracy.md and its pictures: the papers' figures beside ours
+#   make budget    docs/explanation/error-budget.md: error budgets of 1 and 0.1 nmi/h flown, some minutes
 #   make buses     docs/explanation/bus-area.md: area and rate of each bus, some minutes
 #   make memories  docs/explanation/memories.md: which memories become block memory, some minutes
 #   make host-c    docs/explanation/host-in-c-targets.md: the host in C for small processors, a minute
@@ -28,7 +29,7 @@ READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware buses memories host-c soc upsets evidence prove mutate release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware budget buses memories host-c soc upsets evidence prove mutate release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY) $(TOOLS)
@@ -130,6 +131,9 @@ accuracy: $(READY)
 
 hardware: $(READY)
 	$(BIN)/python -m studies.hardware
+
+budget: $(READY)
+	$(BIN)/python -m studies.budget
 
 buses: $(READY)
 	$(BIN)/python -m studies.bus
