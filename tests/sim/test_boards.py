@@ -61,7 +61,10 @@ TOPS = [("ulx3s", "axi-stream"), ("ulx3s", "axi-lite"), ("icebreaker", "axi-stre
 
 
 @needs_icarus
-@pytest.mark.parametrize(("board", "bus"), TOPS)
+@pytest.mark.parametrize(
+    ("board", "bus"),
+    [pytest.param(*top, marks=pytest.mark.deep if "axi-lite" in top else ()) for top in TOPS],
+)
 def test_the_top_level_is_whole_and_every_port_has_a_pin(
     board: str, bus: str, tmp_path: Path
 ) -> None:

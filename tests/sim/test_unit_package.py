@@ -265,7 +265,7 @@ BENCHES = {
 
 
 @pytest.mark.skipif(shutil.which("iverilog") is None, reason="Icarus Verilog is not installed")
-@pytest.mark.parametrize("design", few_of(BENCHES, ["registers"]))
+@pytest.mark.parametrize("design", few_of(BENCHES, []))
 def test_fusesoc_simulates_the_unit(design: Design, tmp_path: Path) -> None:
     """Through its front end or sample port, and its bus; and a wrong result is told."""
     cores = tmp_path / "cores"
