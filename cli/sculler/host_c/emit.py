@@ -105,6 +105,7 @@ def _words(design: Design) -> dict[str, str]:
         **{name: repr(scale) for name, scale in _scales(design).items()},
         "high_resolution": "true" if design.high_resolution else "false",
         "order": str(design.order),
+        "higher": "    sculler_higher_orders(&scales, &sums, increments);\n" * (design.order > 2),
     }
 
 

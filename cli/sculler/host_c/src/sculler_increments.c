@@ -262,12 +262,15 @@ static dual dual_plus(dual a, dual b)
     return found;
 }
 
-/* phi and dV_SF of third or fourth order, and the first terms of what follows these: see
- * docs/explanation/higher-order.md. */
-static void add_orders(
-    const sculler_scales *scales, const sculler_sums *sums, dual alpha, dual beta,
-    sculler_increments *increments)
+void sculler_higher_orders(
+    const sculler_scales *scales, const sculler_sums *sums, sculler_increments *increments)
 {
+    dual alpha = {increments->alpha, sculler_times(scales->nu, sums->nu)};
+    dual beta = {
+        sculler_times(
+            scales->coning, correction(scales, sums->coning_within, sums->coning_between)),
+        sculler_times(
+            scales->sculling, correction(scales, sums->sculling_within, sums->sculling_between))};
     dual gamma = {
         sculler_times(scales->coning_third, sums->coning_third),
         sculler_times(scales->sculling_third, sums->sculling_third)};
@@ -307,10 +310,6 @@ void sculler_increments_of(
     increments->dv_sf = sculler_plus(dv_sf, sculling, 1.0);
     increments->displaced = scales->high_resolution;
     increments->dr_sf = sculler_times(0.0, alpha);
-    if (scales->order > 2u) {
-        dual first = {alpha, upsilon}, second = {sculler_times(scales->coning, coning), sculling};
-        add_orders(scales, sums, first, second, increments);
-    }
     if (!scales->high_resolution) {
         return;
     }

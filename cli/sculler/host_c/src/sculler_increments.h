@@ -78,6 +78,12 @@ typedef struct {
 void sculler_increments_of(
     const sculler_scales *scales, const sculler_sums *sums, sculler_increments *increments);
 
+/* phi and dV_SF of a core of third or fourth order, in the place of those of second order that
+ * sculler_increments_of has found of the same sums; and the first terms of what follows these (see
+ * docs/explanation/higher-order.md). */
+void sculler_higher_orders(
+    const sculler_scales *scales, const sculler_sums *sums, sculler_increments *increments);
+
 /* From sensor axes to body axes: body axis i is sensor axis from[i] (0..2) times sign[i] (+-1). */
 typedef struct {
     unsigned from[3];
