@@ -11,7 +11,7 @@ from sculler.words import Advance, silent
 from sculler_model.analysis.requirement import Grade
 from sculler_model.outputs import make_folder, replacing
 
-RUNS = 8
+RUNS = 16
 ALL, ALGORITHM = "all of them", "the algorithm alone"
 
 DESIGN = """\
