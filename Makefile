@@ -14,7 +14,7 @@
 #   make host-c    docs/explanation/host-in-c-targets.md: the host in C for small processors, a minute
 #   make soc       docs/explanation/chip.md: the whole chip flies a log in Verilator, and is placed; ten minutes
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route, about half an hour
-#   make upsets    docs/explanation/hardening.md: bits of running cores turned over, one by one; half an hour
+#   make upsets    docs/explanation/hardening.md: bits of running cores turned over, one by one; an hour
 #   make evidence  docs/explanation/evidence.md and build/evidence.json: requirements with their design, tests and proofs
 #   make prove   tries to prove port contract and arithmetic of small cores, and writes what it proved; an hour or more
 #   make mutate  changed cores against the test bench that is handed out; hours, goes on where it stopped
@@ -142,7 +142,7 @@ memories: $(TOOLS)
 	$(BIN)/python -m studies.memories
 
 upsets: $(TOOLS)
-	$(BIN)/python -m studies.upsets
+	$(BIN)/python -m studies.upsets --every-bit
 
 evidence: $(READY)
 	$(BIN)/python -m studies.evidence

@@ -58,7 +58,7 @@ def command(folder: Path, flips: int, every_bit: bool, seed: int, only: str | No
 
     Each run turns one bit over, of a flip-flop or of a memory, after a random clock of the second
     or third major interval, and compares all results with those of the undisturbed core, which are
-    the golden model's.  It takes half an hour.
+    the golden model's.  It takes half an hour; with --every-bit, an hour.
     """
     counts: dict[tuple[str, str], Count] = {}
     for mode in MODES if only is None else (only,):
