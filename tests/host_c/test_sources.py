@@ -113,9 +113,15 @@ ALLOWED = {
 
 
 @pytest.mark.deep
-def test_misra(sources: Path) -> None:
-    """Every required rule that cppcheck's addon can tell, and all others but a few."""
-    files = [path for path in sources.glob("*.c") if path.stem.startswith(("sculler_", "stim"))]
+def test_misra(sources: Path, tmp_path: Path) -> None:
+    """Every required rule that cppcheck's addon can tell, and all others but a few.
+
+    Of the library of doubles: C++ has rules of its own, and floats take <tgmath.h>.
+    """
+    for path in sources.iterdir():
+        if not path.stem.endswith("_single"):
+            shutil.copy(path, tmp_path)
+    files = [path for path in tmp_path.glob("*.c") if path.stem.startswith(("sculler_", "stim"))]
     done = subprocess.run(
         [needed("cppcheck"), "--addon=misra", "--std=c99", "-q", *sorted(files)],
         capture_output=True,

@@ -17,6 +17,8 @@ from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
 
 LIBRARY = (
     "sculler_real.h",
+    "sculler_single.h",
+    "sculler_double_single.h",
     "sculler_double_single.hpp",
     "sculler_math.h",
     "sculler_nav.h",

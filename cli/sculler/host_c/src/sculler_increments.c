@@ -3,6 +3,9 @@
 
 #include "sculler_math.h"
 
+#define INTERVALS 5u /* that the third order is taken from */
+#define WINDOW 10u   /* of intervals, in which the rate is to be smooth */
+
 /* ---- status --------------------------------------------------------------------------------- */
 
 bool sculler_status_take(sculler_status_counts *counts, uint32_t status)
@@ -349,7 +352,6 @@ void sculler_in_axes(const sculler_axes *axes, sculler_increments *increments)
 
 /* aT, bT^2, cT^3, dT^4 and eT^5 of w = a + bt + ct^2 + dt^3 + et^4 about the middle of an interval T,
  * or integrals of w over five consecutive ones, the oldest first. */
-enum { INTERVALS = 5, WINDOW = 10 };
 typedef struct {
     sculler_vector of[INTERVALS];
 } five;
@@ -474,7 +476,7 @@ static sculler_vector of_the_first(const five *alpha, const five *rates, const f
         }
         if (forces == NULL) {
             lacking = rotation_terms(&there);
-            turn = sculler_plus(turn, alpha->of[INTERVALS - 1], 0.5);
+            turn = sculler_plus(turn, alpha->of[INTERVALS - 1u], 0.5);
         } else {
             five forces_there = of_part(forces, (sculler_real)k - 4.0, 1.0);
             lacking = velocity_terms(&there, &forces_there);
@@ -499,8 +501,8 @@ static bool is_smooth(sculler_third_order *memory, const five *alpha)
         memory->second[i] = memory->second[i + 1u];
         memory->third[i] = memory->third[i + 1u];
     }
-    memory->second[WINDOW - 1] = sculler_dot(second, second);
-    memory->third[WINDOW - 1] = sculler_dot(third, third);
+    memory->second[WINDOW - 1u] = sculler_dot(second, second);
+    memory->third[WINDOW - 1u] = sculler_dot(third, third);
     for (unsigned i = 0; i < WINDOW; i++) {
         seconds += memory->second[i];
         thirds += memory->third[i];
@@ -525,9 +527,9 @@ void sculler_third_order_correct(sculler_third_order *memory, sculler_increments
         alpha.of[i] = memory->turns[i];
         upsilon.of[i] = memory->velocities[i];
     }
-    alpha.of[INTERVALS - 1] = increments->alpha;
+    alpha.of[INTERVALS - 1u] = increments->alpha;
     sculler_vector turned = sculler_cross(increments->alpha, increments->dv_sf);
-    upsilon.of[INTERVALS - 1] = less(increments->dv_sf, sculler_times(0.5, turned));
+    upsilon.of[INTERVALS - 1u] = less(increments->dv_sf, sculler_times(0.5, turned));
     for (unsigned i = 0; i + 1u < INTERVALS; i++) {
         memory->turns[i] = alpha.of[i + 1u];
         memory->velocities[i] = upsilon.of[i + 1u];
@@ -538,7 +540,7 @@ void sculler_third_order_correct(sculler_third_order *memory, sculler_increments
         return;
     }
     bool starts = memory->seen == INTERVALS;
-    *(smooth ? &memory->corrected : &memory->left) += starts ? (uint32_t)INTERVALS : 1u;
+    *(smooth ? &memory->corrected : &memory->left) += starts ? INTERVALS : 1u;
     if (!smooth) {
         return;
     }

@@ -15,11 +15,7 @@
 #ifndef SCULLER_MATH_H
 #define SCULLER_MATH_H
 
-#if defined(SCULLER_SINGLE)
-#include <tgmath.h> /* the same names, of floats */
-#else
 #include <math.h>
-#endif
 
 #include "sculler_nav.h"
 

@@ -12,46 +12,26 @@
 #ifndef SCULLER_REAL_H
 #define SCULLER_REAL_H
 
-#if defined(SCULLER_DOUBLE_SINGLE) && defined(__cplusplus)
+#if defined(SCULLER_DOUBLE_SINGLE)
 
-#include "sculler_double_single.hpp"
+#include "sculler_double_single.h"
 
-#elif defined(SCULLER_DOUBLE_SINGLE)
+#elif defined(SCULLER_SINGLE)
 
-/* Worth high + low; high is the float nearest to it. */
-typedef struct {
-    float high, low;
-} sculler_real;
-
-static inline double sculler_double_of(sculler_real number)
-{
-    return (double)number.high + (double)number.low;
-}
-
-static inline sculler_real sculler_real_of(double number)
-{
-    sculler_real made;
-    made.high = (float)number;
-    made.low = (float)(number - (double)made.high);
-    return made;
-}
+#include "sculler_single.h"
 
 #else
 
-#if defined(SCULLER_SINGLE)
-typedef float sculler_real;
-#else
 typedef double sculler_real;
-#endif
 
 static inline double sculler_double_of(sculler_real number)
 {
-    return (double)number;
+    return number;
 }
 
 static inline sculler_real sculler_real_of(double number)
 {
-    return (sculler_real)number;
+    return number;
 }
 
 #endif
