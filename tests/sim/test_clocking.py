@@ -13,6 +13,7 @@ from sculler_hdl import ClockedCore, clocked, generate, module_ports
 from sculler_model.design import Design
 from sculler_sim.engine import EngineName
 from sculler_sim.engines.verilator_build import emitted
+from sculler_sim.testbench import LEAST
 from strategies import DESIGNS, with_hardware
 from tiers import few_of
 
@@ -73,6 +74,13 @@ def test_every_port_on_every_clock(
 def test_the_bench_passes(name: str, tmp_path: Path) -> None:
     """In Icarus, where a register without an initial value is X."""
     run_bench(CORES[name], tmp_path)
+
+
+@pytest.mark.usefixtures("icarus")
+@pytest.mark.parametrize("name", few_of(list(CASES), QUICK[:1]))
+def test_the_bench_that_is_handed_out_passes(name: str, tmp_path: Path) -> None:
+    """With all its runs: among others resets while a result waits, which then goes."""
+    run_bench(CORES[name], tmp_path, LEAST)
 
 
 def test_ports_are_what_the_style_asks_for() -> None:
