@@ -12,7 +12,7 @@ from sculler import terminal
 from sculler_model.errors import InputError
 from sculler_model.outputs import make_folder, replacing
 from studies import documents
-from studies.bus.measure import BUSES, GOAL_MHZ, SEEDS, Measured, measure
+from studies.bus.measure import BUSES, FRONTS, GOAL_MHZ, SEEDS, Measured, measure
 
 PAGE = "bus-area.md"
 
@@ -21,6 +21,11 @@ _ABOUT = (
     f" Yosys and nextpnr, asked for {GOAL_MHZ} MHz. The rate is that of `clk`, the median of"
     f" {len(SEEDS)} seeds; what limits it is the block memory's output, which Yosys does not give"
     " the register that DP16KD has. [Buses and registers](../reference/bus.md) says what each is."
+)
+
+_ABOUT_FRONTS = (
+    "`NAME_front` at a clock of 50 MHz, placed alike. [Front ends](../reference/front-ends.md)"
+    " says what each reads."
 )
 
 
@@ -34,15 +39,16 @@ _ABOUT = (
     "--only",
     "keys",
     multiple=True,
-    metavar="BUS",
+    metavar="ROW",
     help="A row of the table, shown and not written; several times for several.",
 )
 def command(folder: Path, keys: tuple[str, ...]) -> None:
-    """Place and route each bus in an ECP5, write bus-area.md."""
+    """Place and route each bus and front end in an ECP5, write bus-area.md."""
+    known = (*BUSES, *FRONTS)
     for key in keys:
-        if key not in BUSES:
-            raise InputError(f"--only {key}: not in the table, give one of {', '.join(BUSES)}")
-    chosen = keys or tuple(BUSES)
+        if key not in known:
+            raise InputError(f"--only {key}: not in the table, give one of {'; '.join(known)}")
+    chosen = keys or known
     with terminal.progress("placing", len(chosen) * (1 + len(SEEDS))) as advance:
         found = [measure(name, advance) for name in chosen]
     if keys:
@@ -54,10 +60,10 @@ def command(folder: Path, keys: tuple[str, ...]) -> None:
     terminal.report({}, False, f"wrote {terminal.verbatim(path)}")
 
 
-def table(found: Sequence[Measured]) -> list[str]:
+def table(found: Sequence[Measured], what: str = "bus") -> list[str]:
     """The rows, in Markdown."""
     rows = (f"| {m.name} | {m.luts} | {m.registers} | {m.blocks} | {m.mhz:.0f} |" for m in found)
-    return ["| bus | LUT4 | registers | DP16KD | MHz |", "|---|---:|---:|---:|---:|", *rows]
+    return [f"| {what} | LUT4 | registers | DP16KD | MHz |", "|---|---:|---:|---:|---:|", *rows]
 
 
 def document(found: Sequence[Measured]) -> str:
@@ -70,7 +76,12 @@ def document(found: Sequence[Measured]) -> str:
             "",
             fill(_ABOUT, documents.WIDTH),
             "",
-            *table(found),
+            *table([one for one in found if one.name in BUSES]),
+            "",
+            "## What a front end takes",
+            fill(_ABOUT_FRONTS, documents.WIDTH),
+            "",
+            *table([one for one in found if one.name in FRONTS], "front end"),
             "",
         ]
     )

@@ -1,4 +1,4 @@
-"""Places and routes the module between core and host, alone."""
+"""Places and routes the modules between sensor, core and host, each alone."""
 
 from __future__ import annotations
 
@@ -30,13 +30,41 @@ BUSES: dict[str, dict[str, Any]] = {
 }
 """The keys of [hardware.bus], by what the page calls them."""
 
+CUSTOM: dict[str, Any] = {
+    "sync": [0xFA, 0x05],
+    "length": 31,
+    "gyro": {"at": [2, 6, 10], "bytes": 4, "endian": "little"},
+    "accel": {"at": [14, 18, 22], "bytes": 4, "endian": "little"},
+    "counter": {"byte": 26, "modulus": 128},
+    "status": [{"byte": 27, "mask": 0x7F}],
+    "check": {
+        **{"kind": "crc", "bits": 16, "polynomial": 0x1021},
+        **{"byte": 29, "first": 1, "last": 28},
+    },
+}
+
+FRONTS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "stim300, asynchronous": ({"preset": "stim300"}, {"sensor": "stim300"}),
+    "hg4930, asynchronous": ({"preset": "hg4930"}, {"sensor": "hg4930"}),
+    "custom of 31 bytes, CRC-16": (
+        {"preset": "hg4930"},
+        {"sensor": "custom", "baud": 460800.0, "frame": CUSTOM},
+    ),
+    "adis16505, SPI, 32-bit burst": (
+        {"preset": "adis16488", "name": "adis16505"},
+        {"sensor": "adis16505"},
+    ),
+    "adis16488, SPI, registers": ({"preset": "adis16488"}, {"sensor": "adis16488"}),
+}
+"""Designs, and the keys of their [hardware.front], by what the page calls them."""
+
 
 @dataclass(frozen=True)
 class Measured:
     """What a bus takes.
 
     Attributes:
-        name: as in `BUSES`.
+        name: as in `BUSES` or `FRONTS`.
         luts: look-up tables of 4 inputs, carry steps among them.
         registers: flip-flops.
         blocks: block memories, DP16KD.
@@ -51,24 +79,27 @@ class Measured:
 
 
 def design_of(name: str) -> Design:
-    """The preset stim300 in the compact core, with a bus of `BUSES`."""
-    hardware = {"core": "compact", "target": "ecp5", "bus": BUSES[name]}
-    return Design.parse({"preset": "stim300", "hardware": hardware})
+    """A compact core: the preset stim300 with a bus of `BUSES`; or a design with its front end."""
+    hardware = {"core": "compact", "target": "ecp5"}
+    if name in BUSES:
+        return Design.parse({"preset": "stim300", "hardware": hardware | {"bus": BUSES[name]}})
+    design, front = FRONTS[name]
+    return Design.parse(design | {"hardware": hardware | {"front": {"clock_hz": 50e6} | front}})
 
 
 def measure(name: str, advance: Advance = silent) -> Measured:
-    """Synthesise, place and route a bus.
+    """Synthesise, place and route a bus or a front end.
 
     Raises:
         InputError: Yosys or nextpnr is not installed.
         ToolError: one of them failed.
     """
     design = design_of(name)
-    top = f"{design.name}_bus"
+    top = f"{design.name}_{'bus' if name in BUSES else 'front'}"
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
-        (folder / "bus.v").write_text(generate(design).further[f"{top}.v"], encoding="utf-8")
-        script = f"read_verilog bus.v; synth_ecp5 -top {top} -json bus.json"
+        (folder / "part.v").write_text(generate(design).further[f"{top}.v"], encoding="utf-8")
+        script = f"read_verilog part.v; synth_ecp5 -top {top} -json part.json"
         status, said = YOSYS.run(folder, "-q", "-p", script)
         if status:
             raise ToolError(YOSYS, said)
@@ -85,7 +116,7 @@ def measure(name: str, advance: Advance = silent) -> Measured:
 
 
 def _routed(folder: Path, seed: int) -> dict[str, Any]:
-    options = ("--json", "bus.json", "--report", "report.json", "--out-of-context", "--quiet")
+    options = ("--json", "part.json", "--report", "report.json", "--out-of-context", "--quiet")
     goal = ("--freq", str(GOAL_MHZ), "--timing-allow-fail", "--seed", str(seed))
     tool = NEXTPNR["ecp5"]
     status, said = tool.run(folder, *DEVICE, *options, *goal)

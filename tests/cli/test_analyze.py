@@ -27,7 +27,7 @@ QUICK = {
 }
 
 
-@pytest.mark.parametrize("verb", few_of(list(QUICK), ["coning", "quantisation"]))
+@pytest.mark.parametrize("verb", few_of(list(QUICK), ["quantisation"]))
 def test_json_table_and_picture(run: Run, tmp_path: Path, design: Path, verb: str) -> None:
     picture = tmp_path / "picture.png"
     words = ("analyze", verb, design, *FAMILY, *QUICK[verb])

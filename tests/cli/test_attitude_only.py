@@ -32,8 +32,8 @@ WHERE = ("--heading", 30, "--roll", 5, "--lat", 48)
 @pytest.fixture
 def flown(run: Run, tmp_path: Path) -> tuple[Path, Path, Path]:
     """A design with biases, vectors of two minutes at rest, their truth."""
-    design, log = tmp_path / "d.toml", tmp_path / "imu.csv"
-    truth, vectors = tmp_path / "truth.csv", tmp_path / "v.csv"
+    design, log = tmp_path / "d.toml", tmp_path / "imu.npz"
+    truth, vectors = tmp_path / "truth.npz", tmp_path / "v.npz"
     design.write_text(DESIGN)
     still = ("motion", "rest", "--design", design, "-o", log, "--truth", truth)
     assert run(*still, "--duration", 120, *WHERE).status == 0

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from sculler_model.errors import InputError
 from studies.bus.command import PAGE, command, document
-from studies.bus.measure import BUSES, Measured, design_of
+from studies.bus.measure import BUSES, FRONTS, Measured, design_of
 
 WRITTEN = Path(__file__).parents[2] / "docs" / "explanation" / PAGE
 
@@ -20,6 +20,9 @@ def test_the_page_has_every_bus() -> None:
     for name in BUSES:
         assert f"| {name} |" in text
         assert design_of(name).hardware.bus is not None
+    for name in FRONTS:
+        assert f"| {name} |" in text
+        assert design_of(name).front is not None
 
 
 def test_an_unknown_bus_is_refused() -> None:

@@ -79,6 +79,7 @@ def flown(run: Run, tmp_path: Path) -> Callable[..., Flown]:
     return flown
 
 
+@pytest.mark.deep
 def test_yang_two_samples_leave_a_thirtieth(flown: Callable[..., Flown]) -> None:
     """a² λ⁵/30 every two samples, the residual of Yang's coefficients for n = 2."""
     found = flown("coning", "increment", 2, 1, "compact").drift("attitude_arcsec")
@@ -101,6 +102,7 @@ def test_yang_sculling_is_the_dual_of_coning(flown: Callable[..., Flown]) -> Non
     assert abs(found) == pytest.approx(law, rel=0.02)
 
 
+@pytest.mark.deep
 def test_zeng_two_samples_of_filtered_rate(flown: Callable[..., Flown]) -> None:
     """1.07e-2 °/h, "two orders of magnitude" better than Runge-Kutta on the very same samples."""
     run = flown("coning", "rate", 2, 1, "compact")

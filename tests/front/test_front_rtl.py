@@ -172,6 +172,7 @@ def test_every_fault_on_the_line_is_accounted_for(
     assert seen & {"frames_missed", "frames_late"}
 
 
+@pytest.mark.deep
 @needs_icarus
 def test_silence_brings_placeholders_and_a_frame_finds_its_place_again(tmp_path: Path) -> None:
     """And a core that takes a sample in every third interval loses samples, but no time."""

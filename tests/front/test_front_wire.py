@@ -95,7 +95,7 @@ def job_of(design: Design, name: str) -> dict[str, Any]:
     }
 
 
-@pytest.mark.parametrize("case", few_of(CASES, ["stim300"]))
+@pytest.mark.parametrize("case", few_of(CASES, []))
 def test_what_is_sent_is_read(case: tuple[Design, str], tmp_path: Path) -> None:
     run(*case, tmp_path, "icarus")
 

@@ -84,6 +84,7 @@ def test_a_level_frame_that_turns_seldom_costs_half_of_its_turn_squared(attitude
     assert usual.v[-1, 2] - slow.v[-1, 2] == pytest.approx(gained, rel=0.02)
 
 
+@pytest.mark.deep
 def test_free_azimuth_is_the_wander_azimuth_but_for_its_frame() -> None:
     """North-east-down states are the same; the frame turns by the Earth's vertical rate more."""
     wander, _ = flown(30.0)

