@@ -34,6 +34,7 @@ def _one_digit_apart(one: Decimal, other: Decimal) -> bool:
     return abs(one - other) <= Decimal(10) ** max(places)
 
 
+@pytest.mark.deep
 def test_the_document_is_up_to_date(text: str) -> None:
     """Words are the same; figures too, but for a last digit that another machine may round."""
     words, numbers = _split((PAGES / "accuracy.md").read_text(encoding="utf-8"))

@@ -70,6 +70,7 @@ def test_coning_of_the_family_is_the_published_law(run: Run) -> None:
     assert point["hertz"] * (1.7e-5 / law) ** 0.2 == pytest.approx(slow, rel=0.02)
 
 
+@pytest.mark.deep
 def test_all_combinations_of_families_are_studied(run: Run) -> None:
     words = ("--family", "time-taylor", "--samples", "3", "--history", "0", "--history", "1")
     data = json.loads(run("analyze", "coning", *FAMILY, *words, *QUICK["coning"], "--json").out)

@@ -12,6 +12,7 @@ import pytest
 Run = Callable[..., Any]
 
 
+@pytest.mark.deep
 def test_savages_vibration_with_a_check_and_a_picture(run: Run, tmp_path: Path) -> None:
     picture = tmp_path / "vibration.png"
     outcome = run(

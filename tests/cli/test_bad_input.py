@@ -145,6 +145,7 @@ def test_output_that_is_a_folder(tmp_path: Path, refused: Refused, design: Path,
     assert "taken" in refused("generate", design, "-o", tmp_path / "taken")
 
 
+@pytest.mark.deep
 def test_waveform_that_cannot_be_written(
     tmp_path: Path, refused: Refused, design: Path, log: Path
 ) -> None:

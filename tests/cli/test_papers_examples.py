@@ -94,6 +94,7 @@ def test_yang_four_samples_five_minors(flown: Callable[..., Flown]) -> None:
     assert found == pytest.approx(-0.107, rel=5e-3)
 
 
+@pytest.mark.deep
 def test_yang_sculling_is_the_dual_of_coning(flown: Callable[..., Flown]) -> None:
     """The same law for 0.1° and 10 m/s² at 35 Hz, and gravity's own 0.017 m/s² along y."""
     found = flown("sculling", "increment", 2, 1, "compact").drift("velocity_m_s")

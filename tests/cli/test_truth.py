@@ -91,6 +91,7 @@ def test_an_error_put_into_the_start_is_found(
     assert errors["horizontal_growth_nmi_per_h"] == pytest.approx(1800 / 1852, rel=1e-3)
 
 
+@pytest.mark.deep
 def test_what_is_said_and_drawn(run: Run, tmp_path: Path, turn: tuple[Path, Path, Path]) -> None:
     toml, vectors, truth = turn
     out, page = tmp_path / "nav.csv", tmp_path / "run.html"

@@ -28,6 +28,8 @@ DEEP = {
     "navigate-and-align",
     "package",
     "sensor-to-bitstream",
+    "live-host",
+    "design-file",
     "host-in-c",
     "fly-a-campaign",
     "sensor-wire",

@@ -1,4 +1,4 @@
-"""40 corrupted inputs at every change, 1000 before a release; `make fuzz` runs more."""
+"""30 corrupted inputs at every change, 1000 before a release; `make fuzz` runs more."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fuzz.targets import TARGETS
 from sculler.main import VERBS
 
 
-@pytest.mark.parametrize("cases", [40, pytest.param(1000, marks=pytest.mark.deep)])
+@pytest.mark.parametrize("cases", [30, pytest.param(1000, marks=pytest.mark.deep)])
 def test_corrupted_inputs(cases: int, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "fuzz", "--seed", "1", "--cases", str(cases), "--save", tmp_path],

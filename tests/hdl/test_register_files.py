@@ -156,6 +156,7 @@ sys.stdout.write(generate(design).further["b_bus.v"])
 """
 
 
+@pytest.mark.deep
 def test_a_bus_of_two_clocks_is_the_same_bytes_in_every_process() -> None:
     """Python orders the names of a set anew in each."""
     texts = {

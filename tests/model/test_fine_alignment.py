@@ -78,6 +78,7 @@ def test_exact_data_give_the_exact_attitude(lat: float, heading: float) -> None:
     assert found.state(radians(lat), LON, H).q == found.q
 
 
+@pytest.mark.deep
 def test_random_walk_of_the_gyros_gives_the_heading_that_theory_says() -> None:
     """σ = N/(Ω cos lat √T): the walk's end over the time; `align`, a line fit, has √(6/5) of it."""
     rng = np.random.default_rng(5)

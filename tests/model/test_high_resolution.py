@@ -245,6 +245,7 @@ def position_errors(found: NavHistory, true: NavHistory) -> Array:
     return result
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("motion", "trapezoidal", "most"),
     [

@@ -42,7 +42,7 @@ def test_verilator_shows_on_every_clock_what_the_cycle_model_says(design):
 
 
 @pytest.mark.parametrize(
-    "name", few_of(["stim300_4x5", "taylor_3p3", "wide_5p0", "dense_odd_3"], ["dense_odd_3"])
+    "name", few_of(["stim300_4x5", "taylor_3p3", "wide_5p0", "dense_odd_3"], [])
 )
 def test_amaranth_gives_the_same_files_and_shows_on_every_clock_the_same(name, tmp_path):
     check_files(COMPACT[name], tmp_path, ["amaranth"], samples=4)
@@ -55,6 +55,7 @@ def test_random_resets_and_stalls_give_the_cycle_models_results(design, tmp_path
     check_resets(design, tmp_path, samples, anywhere_in_four_majors(design))
 
 
+@pytest.mark.deep
 @EACH_SERIAL
 def test_without_a_multiplier(design, tmp_path):
     check_files(design, tmp_path, ["verilator"], samples=10)

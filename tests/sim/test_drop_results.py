@@ -20,13 +20,13 @@ from sculler_model.golden import words_per_result
 from sculler_sim.engine import simulate, trace
 from sculler_sim.stimulus import Levels, Stimulus
 from strategies import samples_of
-from tiers import few_of, tiers
+from tiers import few_of
 
 pytestmark = pytest.mark.usefixtures("verilator")
 
-EACH = pytest.mark.parametrize("design", tiers(DROPPING))
 # the benches have the others at every change
 SMALL = ("smallest-pipelined", "dense_odd_3-compact-ice40", "smallest-compact")
+EACH = pytest.mark.parametrize("design", few_of(DROPPING, [*SMALL, "smallest-serial"]))
 EACH_OF_FEW = pytest.mark.parametrize("design", few_of(FEW_DROPPING, SMALL))
 
 

@@ -33,7 +33,7 @@ def compact(**hardware):
     ("hardening", "hardware"),
     [
         ("recover", {}),
-        ("detect", {"core": "pipelined"}),
+        pytest.param("detect", {"core": "pipelined"}, marks=pytest.mark.deep),
         pytest.param("recover", {"core": "pipelined"}, marks=pytest.mark.deep),
         pytest.param("detect", {"overrun": "drop-result"}, marks=pytest.mark.deep),
         pytest.param("detect", {"target": "ice40", "reset": "async"}, marks=pytest.mark.deep),
