@@ -85,7 +85,7 @@ def check_readme(metadata: Message, tracked: set[str]) -> None:
         if not address.startswith(("https://", "#")):
             fail(f"README.md: {address} is relative, and nothing off the repository")
         found = ours.fullmatch(address)
-        if found is not None and found[1] not in tracked:
+        if found is not None and found[1].partition("#")[0] not in tracked:
             fail(f"README.md: there is no {found[1]}")
     told(f"README.md renders, with {len(addresses)} whole addresses")
 
