@@ -97,7 +97,7 @@ def blocks_in(text):
 def instances(text, name):
     """The connections of each instance of a block."""
     for body in re.findall(rf"^  {name} #\(.*?^  \) \S+ +\((.*?)^  \);", text, re.M | re.S):
-        yield dict(re.findall(r"^    \.(\w+)\((.*)\),?$", body, re.M))
+        yield dict(re.findall(r"^    \.(\w+)\((.*?)\),?$", body, re.M | re.S))
 
 
 CORES = {
