@@ -45,44 +45,24 @@ class Filtered:
     Attributes:
         motion: what the sensor feels.
         response: F, as a function of the phase a sample interval.
+        kind: increments are filtered and summed up; a rate is the filter's value at its instant.
+        interval: T, s.
     """
-
-    motion: Sampled
-    response: Response
-
-    def chunks(
-        self,
-        kind: Literal["increment", "rate"],
-        samples: int,
-        interval: float,
-        chunk: int | None = None,
-    ) -> Iterator[Array]:
-        """Samples from time 0 on, block by block, in bounded memory, as `Sampled.chunks`.
-
-        Args:
-            kind: increments are filtered after they are summed up; a rate is the filter's value at
-                its instant.
-            samples: how many in all.
-            interval: T, s.
-            chunk: samples of a block.
-
-        Raises:
-            InputError: the filter remembers for too long.
-        """
-        fine = _Fine(self.motion, self.response, kind, interval)
-        chunk = chunk or max(1024, _BLOCK // fine.per)
-        for first in range(0, samples, chunk):
-            yield fine.samples(first, min(chunk, samples - first))
-
-
-@dataclass(frozen=True)
-class _Fine:
-    """The filter's weights for fine steps, and samples by them."""
 
     motion: Sampled
     response: Response
     kind: Literal["increment", "rate"]
     interval: float
+
+    def chunks(self, samples: int, chunk: int | None = None) -> Iterator[Array]:
+        """So many samples (N, 6) from time 0 on, block by block, in bounded memory.
+
+        Raises:
+            InputError: the filter remembers for too long.
+        """
+        chunk = chunk or max(1024, _BLOCK // self.per)
+        for first in range(0, samples, chunk):
+            yield self._samples(first, min(chunk, samples - first))
 
     @cached_property
     def per(self) -> int:
@@ -127,12 +107,7 @@ class _Fine:
             found[place] = self.response.value(2 * pi * place / size * self.per)
         return found
 
-    @property
-    def weights(self) -> Array:
-        """Of the fine steps, the newest first."""
-        return self._kernel[0]
-
-    def samples(self, first: int, count: int) -> Array:
+    def _samples(self, first: int, count: int) -> Array:
         """Samples (N, 6) from a number on."""
         weights, ahead = self._kernel
         per, begin = self.per, first * self.per - (len(weights) - 1 - ahead)
@@ -191,7 +166,7 @@ def delivered(
     felt, passing, response = as_felt(motion, design), Passing(design), design.sensor_response
     kind, interval = design.sensor.kind, design.sample_interval
     if passing.left_out and response is not None:
-        yield from Filtered(felt, response).chunks(kind, samples, interval, chunk)
+        yield from Filtered(felt, response, kind, interval).chunks(samples, chunk)
         return
     for block in felt.chunks(kind, samples, interval, chunk):
         yield passing(block)
