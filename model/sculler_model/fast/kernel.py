@@ -19,7 +19,6 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sculler_model.algorithms import scrolling_weights_total
@@ -33,9 +32,7 @@ from sculler_model.fast.lanes import (
     add_crossed,
     add_crossed_over,
     add_scaled,
-    add_weighted,
     any_negative,
-    append_digit,
     factor_limbs,
     halves_added,
     outside,
@@ -43,6 +40,7 @@ from sculler_model.fast.lanes import (
     put_left,
     put_right,
     row,
+    weighted,
     zero,
 )
 from sculler_model.machine_code import compiled
@@ -146,22 +144,6 @@ def _limits(gyro: Interval, accel: Interval) -> Rows:
     return np.repeat(np.array(ends, np.int64).T, 3, axis=1)
 
 
-_inlined: Any = njit(inline="always")
-
-
-@_inlined
-def _weighted(like, terms, digits, start, stop, counts, t):  # type: ignore[no-untyped-def]
-    """The sum of the terms start..stop-1 of every digit, at sample t."""
-    each = len(terms) // digits
-    total = zero(like)
-    for digit in range(digits):
-        part = zero((0,))
-        for i in range(digit * each + start, digit * each + stop):
-            part = add_weighted(part, terms, i, counts, t)
-        total = append_digit(total, part)
-    return total
-
-
 def _vectors_of(  # type: ignore[no-untyped-def]
     counts, first, n, M, phases, taps, tap_digits, weights, weight_digits, plain, limits,
     tap_like, sum_like, like, results, rails,
@@ -182,12 +164,12 @@ def _vectors_of(  # type: ignore[no-untyped-def]
             if not plain:
                 each = len(weights) // weight_digits
                 last = t + n - 1
-                theta_v = _weighted(sum_like, weights, weight_digits, 0, each, counts, last)
+                theta_v = weighted(sum_like, weights, weight_digits, 0, each, counts, last)
             # every sample whose taps are not all zero
             start = 0
             for phase in range(len(phases)):
                 s, stop = t + phases[phase, 0], phases[phase, 1]
-                A_B = _weighted(tap_like, taps, tap_digits, start, stop, counts, s)
+                A_B = weighted(tap_like, taps, tap_digits, start, stop, counts, s)
                 within = add_crossed(within, A_B, row(counts, s))
                 start = stop
             if minor:

@@ -21,12 +21,12 @@ from sculler_model.fast.lanes import (
     TAP_BITS,
     add_crossed,
     add_scaled,
-    add_weighted,
     append_digit,
     plus,
     put_left,
     put_right,
     row,
+    weighted,
     zero,
 )
 from sculler_model.machine_code import compiled
@@ -102,19 +102,6 @@ _inlined: Any = njit(inline="always")
 
 
 @_inlined
-def _weighted(like, terms, digits, start, stop, counts, t):  # type: ignore[no-untyped-def]
-    """The sum of the terms start..stop-1 of every digit, at sample t."""
-    each = len(terms) // digits
-    total = zero(like)
-    for digit in range(digits):
-        part = zero((0,))
-        for i in range(digit * each + start, digit * each + stop):
-            part = add_weighted(part, terms, i, counts, t)
-        total = append_digit(total, part)
-    return total
-
-
-@_inlined
 def _scaled(like, x, factors, i):  # type: ignore[no-untyped-def]
     """Factor i times x."""
     total = zero(like)
@@ -158,13 +145,13 @@ def _higher_of(  # type: ignore[no-untyped-def]
             start = 0
             for phase in range(len(phases)):
                 s, stop = t + phases[phase, 0], phases[phase, 1]
-                A_B = _weighted(tap_like, taps, tap_digits, start, stop, counts, s)
+                A_B = weighted(tap_like, taps, tap_digits, start, stop, counts, s)
                 kappa = add_crossed(kappa, A_B, row(counts, s))
                 start = stop
             last = t + n - 1
-            c = _weighted(low_like, inner, inner_digits, 0, n, counts, last)
-            m = _weighted(low_like, inner, inner_digits, n, 2 * n, counts, last)
-            slope = _weighted(low_like, inner, inner_digits, 2 * n, 3 * n, counts, last)
+            c = weighted(low_like, inner, inner_digits, 0, n, counts, last)
+            m = weighted(low_like, inner, inner_digits, n, 2 * n, counts, last)
+            slope = weighted(low_like, inner, inner_digits, 2 * n, 3 * n, counts, last)
             tau = _crossed(high_like, theta, _crossed(low_like, theta, c))
             tau = add_crossed(tau, slope, _crossed(low_like, theta, m))
             P = _crossed(low_like, alpha, theta)
@@ -174,7 +161,7 @@ def _higher_of(  # type: ignore[no-untyped-def]
             k = plus(_scaled(low_like, kappa, factors, 0), Dc_P)
             X = add_crossed(_crossed(high_like, b, theta), alpha, k)
             if order > 3:
-                f = _weighted(low_like, inner, inner_digits, 3 * n, 4 * n, counts, last)
+                f = weighted(low_like, inner, inner_digits, 3 * n, 4 * n, counts, last)
                 twice = _crossed(high_like, theta, _crossed(low_like, theta, f))
                 sigma = _crossed(top_like, theta, twice)
                 outer = _outer(high_like, top_like, alpha, theta, P, X, tau, third, factors)

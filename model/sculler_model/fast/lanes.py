@@ -11,6 +11,7 @@ digit with a count or a digit then fits 63 bits and a sign, and such sums are pu
 carries.  That is quicker than the processor's products of 128 bits, one pair of numbers at a time.
 
 The functions here are Numba *intrinsics*: each is told the types and gives the LLVM instructions.
+`weighted` is made of them.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from itertools import pairwise
 from typing import Any
 
 from llvmlite import ir
-from numba import types
+from numba import njit, types
 from numba.extending import intrinsic, models, register_model
 
 DIGIT_BITS = 30
@@ -384,3 +385,16 @@ put_left = _instructions(_putting(0))
 
 put_right = _instructions(_putting(3))
 """The same with b."""
+
+
+@njit(inline="always")
+def weighted(like, terms, digits, start, stop, counts, t):  # type: ignore[no-untyped-def]
+    """The sum of the terms start..stop-1 of every digit, at sample t: a row of a table."""
+    each = len(terms) // digits
+    total = zero(like)
+    for digit in range(digits):
+        part = zero((0,))
+        for i in range(digit * each + start, digit * each + stop):
+            part = add_weighted(part, terms, i, counts, t)
+        total = append_digit(total, part)
+    return total
