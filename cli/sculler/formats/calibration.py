@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from sculler_model.design import SensorErrors, fault_of
+from sculler_model.design import SensorErrors, faults_of
 from sculler_model.errors import InputError
 from sculler_model.inputs import read_toml
 from sculler_model.samples import Calibration
@@ -22,9 +22,7 @@ def read_calibration(path: Path) -> Calibration:
     try:
         errors = SensorErrors.model_validate(data)
     except ValidationError as error:
-        named = dict(fault_of(SensorErrors, details) for details in error.errors())
-        faults = [f"{key}: {fault}" if key else fault for key, fault in named.items()]
-        raise InputError(f"{path}: " + "; ".join(faults)) from error
+        raise InputError(f"{path}: " + "; ".join(faults_of(SensorErrors, error))) from error
     try:
         return Calibration.of(errors)
     except InputError as error:

@@ -18,7 +18,7 @@ from sculler_model.design.interval import (
 )
 from sculler_model.design.names import RESERVED_WORDS, name_fault
 from sculler_model.design.presets import PRESETS
-from sculler_model.design.reading import fault_of
+from sculler_model.design.reading import faults_of
 from sculler_model.design.result import (
     AXES,
     COLUMNS,
@@ -84,7 +84,7 @@ __all__ = [
     "at_another_rate",
     "columns_of",
     "cross_range",
-    "fault_of",
+    "faults_of",
     "name_fault",
     "range_of_sum",
     "scales_hash",

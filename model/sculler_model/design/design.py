@@ -29,7 +29,7 @@ from sculler_model.design.front import link_of
 from sculler_model.design.hardware import Hardware
 from sculler_model.design.history import reaches, short_samples
 from sculler_model.design.names import name_fault
-from sculler_model.design.reading import fault_of, with_preset
+from sculler_model.design.reading import faults_of, with_preset
 from sculler_model.design.result import (
     FOURTH_ORDER_VECTORS,
     HIGH_RESOLUTION_VECTORS,
@@ -174,9 +174,7 @@ class Design(Part):
         try:
             design = cls.model_validate(data)
         except ValidationError as error:
-            # one fault a key: of the ways to read a value, the last one looked deepest
-            named = dict(fault_of(cls, details) for details in error.errors())
-            faults += [f"{key}: {fault}" for key, fault in named.items()]
+            faults += faults_of(cls, error)
         if faults or design is None:
             raise InputError(f"{where}: " + "; ".join(faults))
         return design

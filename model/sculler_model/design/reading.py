@@ -6,7 +6,7 @@ import difflib
 import re
 from typing import Any, get_args
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from sculler_model.design.presets import PRESETS
@@ -49,7 +49,19 @@ def _merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
     return merged
 
 
-def fault_of(root: type[BaseModel], details: ErrorDetails) -> tuple[str, str]:
+def faults_of(root: type[BaseModel], error: ValidationError) -> list[str]:
+    """What is wrong with a file, in words: one fault a key.
+
+    Args:
+        root: what the file's tables were to be.
+        error: what pydantic found.
+    """
+    # of the ways to read a value, the last one looked deepest
+    named = dict(_fault_of(root, details) for details in error.errors())
+    return [f"{key}: {fault}" if key else fault for key, fault in named.items()]
+
+
+def _fault_of(root: type[BaseModel], details: ErrorDetails) -> tuple[str, str]:
     """One pydantic error as its key and what is wrong and allowed."""
     path = [str(part) for part in details["loc"]]
     part: type[BaseModel] = root

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, model_validator
 
 from sculler.runs.motion import Shaking, read_points
-from sculler_model.design import Design, fault_of
+from sculler_model.design import Design, faults_of
 from sculler_model.errors import InputError
 from sculler_model.inputs import read_toml
 from sculler_model.motion import MOTIONS, PLACE, Motion
@@ -212,9 +212,7 @@ class Campaign:
         try:
             tables = Tables.model_validate(data)
         except ValidationError as error:
-            named = dict(fault_of(Tables, details) for details in error.errors())
-            faults = [f"{key}: {fault}" if key else fault for key, fault in named.items()]
-            raise InputError(f"{path}: " + "; ".join(faults)) from error
+            raise InputError(f"{path}: " + "; ".join(faults_of(Tables, error))) from error
         try:
             return cls(tables, path.parent)
         except InputError as error:
