@@ -6,12 +6,17 @@ from dataclasses import asdict, dataclass
 from math import degrees, radians
 from typing import Any
 
+from sculler.runs.analysis.subject import (
+    require_below_nyquist,
+    require_increments,
+    require_whole_interval,
+)
 from sculler.words import Advance, silent
 from sculler_model.analysis.manoeuvre import MANOEUVRES
 from sculler_model.analysis.orders import HeldConing, Manoeuvred, left_by_order
 from sculler_model.analysis.triple import ConingTurn
 from sculler_model.design import Design
-from sculler_model.errors import ContradictionError, InputError
+from sculler_model.errors import ContradictionError
 
 
 @dataclass(frozen=True)
@@ -47,23 +52,16 @@ class OrdersPlan:
     seconds: float | None = None
 
     def __post_init__(self) -> None:
-        design = self.design
-        if design.sensor.kind != "increment":
-            raise InputError(f'{self.name}: sensor.kind is "rate", give a design with increments')
+        require_increments(self.design, self.name)
         if self.manoeuvre is not None:
             for key in ("half_angle", "frequency", "turn", "bank", "spin"):
                 if getattr(self, key) is not None:
                     raise ContradictionError(
                         f"--{key.replace('_', '-')} is of a cone, leave it out with --manoeuvre"
                     )
-        elif self.cone.hertz >= design.sensor.sample_rate_hz / 2:
-            raise InputError(
-                f"--frequency: {self.cone.hertz:g} Hz is not below the Nyquist limit,"
-                f" {design.sensor.sample_rate_hz / 2:g} Hz"
-            )
-        longest = max(self.minors) * self.minor_interval
-        if self.length < longest:
-            raise InputError(f"--seconds: {self.length:g} is too short, give at least {longest:g}")
+        else:
+            require_below_nyquist(self.design, self.cone.hertz)
+        require_whole_interval(self.length, self.minors, self.minor_interval)
 
     @property
     def cone(self) -> ConingTurn:

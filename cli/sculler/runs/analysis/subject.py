@@ -6,7 +6,7 @@ from collections.abc import Collection
 from typing import Any, NamedTuple
 
 from sculler_model.design import Design
-from sculler_model.errors import ContradictionError
+from sculler_model.errors import ContradictionError, InputError
 
 FITTED = "least-squares"
 """The family that a band is for; what else is fitted comes from a design file."""
@@ -23,6 +23,43 @@ def require_band(families: Collection[str], band: tuple[float, float] | None) ->
     """
     if (FITTED in families) != (band is not None):
         raise ContradictionError(f"--family {FITTED} and --band belong together, give both or none")
+
+
+def require_increments(design: Design, name: str) -> None:
+    """See that a design's sensor counts increments.
+
+    Raises:
+        InputError: it does not.
+    """
+    if design.sensor.kind != "increment":
+        raise InputError(f'{name}: sensor.kind is "rate", give a design with increments')
+
+
+def require_below_nyquist(design: Design, hertz: float) -> None:
+    """See that a cone's frequency is one that the samples tell.
+
+    Raises:
+        InputError: it is not.
+    """
+    limit = design.sensor.sample_rate_hz / 2
+    if hertz >= limit:
+        raise InputError(f"--frequency: {hertz:g} Hz is not below the Nyquist limit, {limit:g} Hz")
+
+
+def require_whole_interval(seconds: float, minors: Collection[int], interval: float) -> None:
+    """See that a run holds the longest major interval.
+
+    Args:
+        seconds: of the run.
+        minors: numbers of minor intervals of a major one.
+        interval: a minor one, s.
+
+    Raises:
+        InputError: it does not.
+    """
+    longest = max(minors) * interval
+    if seconds < longest:
+        raise InputError(f"--seconds: {seconds:g} is too short, give at least {longest:g}")
 
 
 class Subject(NamedTuple):

@@ -6,11 +6,15 @@ from dataclasses import asdict, dataclass
 from math import degrees, radians
 from typing import Any
 
+from sculler.runs.analysis.subject import (
+    require_below_nyquist,
+    require_increments,
+    require_whole_interval,
+)
 from sculler.words import Advance, silent
 from sculler_model.analysis.iteration import DEGREE
 from sculler_model.analysis.triple import ConingTurn, left
 from sculler_model.design import Design
-from sculler_model.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -45,17 +49,9 @@ class ThirdOrderPlan:
     degree: int = DEGREE
 
     def __post_init__(self) -> None:
-        design = self.design
-        if design.sensor.kind != "increment":
-            raise InputError(f'{self.name}: sensor.kind is "rate", give a design with increments')
-        if self.frequency >= design.sensor.sample_rate_hz / 2:
-            raise InputError(
-                f"--frequency: {self.frequency:g} Hz is not below the Nyquist limit,"
-                f" {design.sensor.sample_rate_hz / 2:g} Hz"
-            )
-        longest = max(self.minors) * self.minor_interval
-        if self.seconds < longest:
-            raise InputError(f"--seconds: {self.seconds:g} is too short, give at least {longest:g}")
+        require_increments(self.design, self.name)
+        require_below_nyquist(self.design, self.frequency)
+        require_whole_interval(self.seconds, self.minors, self.minor_interval)
 
     @property
     def minor_interval(self) -> float:
