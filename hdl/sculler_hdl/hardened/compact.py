@@ -11,7 +11,7 @@ from amaranth import Module, Mux, Signal, Value
 from amaranth.lib import wiring
 
 from sculler_hdl.compact.core import CompactCore
-from sculler_hdl.hardened.copies import COPIES, Copies, any_of, handshake
+from sculler_hdl.hardened.copies import Copies, any_of, copies_of, handshake
 from sculler_hdl.lib.layout import core_members
 from sculler_model.design import STATUS_UPSET, Design
 
@@ -46,11 +46,7 @@ class HardenedCompactCore(wiring.Component):
     def __init__(self, design: Design, *, primitive: bool = True) -> None:
         self.design = design
         self.primitive = primitive
-        hardening = design.hardware.hardening
-        assert hardening is not None
-        self.copies = [
-            CompactCore(design, primitive=primitive, tied=True) for _ in range(COPIES[hardening])
-        ]
+        self.copies = copies_of(CompactCore, design, primitive)
         first = self.copies[0]
         self.plan, self.timing = first.plan, first.timing
         self.resources = {"copies": len(self.copies), **first.resources}

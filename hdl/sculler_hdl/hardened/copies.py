@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import reduce
 from operator import or_
+from typing import TypeVar
 
 from amaranth import Cat, Module, Signal, Value
 
@@ -16,6 +17,18 @@ from sculler_model.golden import Timing
 
 COPIES = {"detect": 2, "recover": 3}
 """By `hardware.hardening`."""
+
+Core = TypeVar("Core", CompactCore, PipelinedCore)
+
+
+def copies_of(kind: type[Core], design: Design, primitive: bool) -> list[Core]:
+    """As many cores of a kind as the design's hardening takes, tied."""
+    assert design.hardware.hardening is not None
+    return [
+        kind(design, primitive=primitive, tied=True)
+        for _ in range(COPIES[design.hardware.hardening])
+    ]
+
 
 _TOGETHER = 2
 """Bits that one look-up table of four inputs compares."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from amaranth import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 
-from sculler_hdl.hardened.copies import COPIES, Copies, any_of, handshake
+from sculler_hdl.hardened.copies import Copies, any_of, copies_of, handshake
 from sculler_hdl.lib.layout import core_members
 from sculler_hdl.pipelined.core import PipelinedCore
 from sculler_hdl.plan.ports import result_ports
@@ -47,11 +47,7 @@ class HardenedPipelinedCore(wiring.Component):
     def __init__(self, design: Design, *, primitive: bool = True) -> None:
         self.design = design
         self.primitive = primitive
-        hardening = design.hardware.hardening
-        assert hardening is not None
-        self.copies = [
-            PipelinedCore(design, primitive=primitive, tied=True) for _ in range(COPIES[hardening])
-        ]
+        self.copies = copies_of(PipelinedCore, design, primitive)
         first = self.copies[0]
         self.plan = first.plan
         self.timing = timing(design)
