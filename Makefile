@@ -1,6 +1,6 @@
 # sculler: every target does its own set-up (a virtual environment in .venv).
 #   make demo    the main job end to end, files and pictures in build/demo
-#   make test    lint and the tests of every change, within five minutes on two cores
+#   make test    lint and the tests of every change, some five minutes on two cores
 #   make test-deep  all tests, those of a release too, within an hour
 #   make test-breaks  faults made on purpose, and which test finds each (docs/explanation/testing.md)
 #   make test-lowest  the tests of what depends on others, with every dependency at its floor
