@@ -5,11 +5,25 @@ They are plain Python without it.  Importing this module does not import Numba.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from hashlib import sha256
 from inspect import getsource
 from types import FunctionType, ModuleType
 from typing import Any
+
+# Numba colours its messages, also those that nobody sees, and has colorama exchange `sys.stdout`
+# and `sys.stderr` meanwhile.  We compile in threads: it would take away what others print.
+os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
+
+
+def available() -> bool:
+    """Whether Numba is there.  Imports it."""
+    try:
+        import numba  # noqa: F401
+    except ImportError:
+        return False
+    return True
 
 
 def callable_when_compiled(*modules: ModuleType, **options: Any) -> None:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sculler_model import machine_code
 from sculler_model.design import STATUS_FAULT, STATUS_RAIL, STATUS_SHORT_HISTORY, Design
 from sculler_model.errors import InputError
 from sculler_model.fast.arithmetic import BLOCK, FEW_MINORS, Arithmetic, Counts
@@ -307,9 +308,7 @@ class FastModel:
 @cache
 def kernel_class() -> type[Kernel] | None:
     """What makes a compiled kernel of a design; None where Numba is missing."""
-    try:
-        import numba  # noqa: F401
-    except ImportError:
+    if not machine_code.available():
         return None
     from sculler_model.fast.kernel import Kernel
 
