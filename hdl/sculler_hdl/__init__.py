@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from sculler_hdl.export.verilog import Generated as Generated
     from sculler_hdl.export.verilog import generate as generate
     from sculler_hdl.lib.clock_enable import ClockEnableInserter as ClockEnableInserter
+    from sculler_hdl.plan.bus_ports import BUS_PREFIXES as BUS_PREFIXES
     from sculler_hdl.plan.bus_ports import own_bus_ports as own_bus_ports
     from sculler_hdl.plan.front import front_counter_ports as front_counter_ports
     from sculler_hdl.plan.front import front_ports as front_ports
@@ -56,6 +57,7 @@ if TYPE_CHECKING:
 
 _PLACES = {
     "BLOCK_ATTRIBUTES": "targets",
+    "BUS_PREFIXES": "plan.bus_ports",
     "ClockEnableInserter": "lib.clock_enable",
     "ClockedCore": "clocked",
     "PROPERTIES": "export.properties",
@@ -91,6 +93,7 @@ _PLACES = {
 
 __all__ = [
     "BLOCK_ATTRIBUTES",
+    "BUS_PREFIXES",
     "PROPERTIES",
     "TARGETS",
     "ClockEnableInserter",

@@ -193,8 +193,8 @@ def _top(board: Board, design: Design, top: str) -> str:
     assert bus is not None
     nets, master, modules = dict(_NETS), "", ""
     if bus.has_registers:
-        nets |= master_nets()
-        modules, master = master_module(top, design), master_instance(top)
+        nets |= master_nets(design)
+        modules, master = master_module(top, design), master_instance(top, design)
     return Text.of("board.v.in").substitute(
         top=top,
         name=design.name,

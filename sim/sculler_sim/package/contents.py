@@ -83,7 +83,7 @@ class Contents:
         verilog: names of the files to synthesise.
         models: names of the models of vendor blocks, for simulators and linters only.
         vhdl: name of the file for VHDL projects.
-        bench: names of the self-checking test bench and its vectors; none for a unit without.
+        bench: names of the self-checking test bench, and of its vectors.
         other_resets: those of further clocks, in their order.
         anytime: inputs that come at any time, which the module synchronises.
         crossings: places in the module of the queues between its clocks.
@@ -102,7 +102,7 @@ class Contents:
     verilog: tuple[str, ...]
     models: tuple[str, ...]
     vhdl: str
-    bench: tuple[str, ...] = ()
+    bench: tuple[str, ...]
     other_resets: tuple[Reset, ...] = ()
     anytime: tuple[str, ...] = ()
     crossings: tuple[str, ...] = ()

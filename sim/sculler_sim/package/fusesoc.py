@@ -38,7 +38,7 @@ def _core(contents: Contents, board: Board | None) -> dict[str, Any]:
     name = contents.name
     filesets: dict[str, Any] = {
         "rtl": {"files": list(contents.verilog), "file_type": "verilogSource-2005"},
-        **({"bench": {"files": _bench(contents)}} if contents.bench else {}),
+        "bench": {"files": _bench(contents)},
         "sdc": {"files": [{f"{name}.sdc": {"file_type": "SDC"}}]},
     }
     if contents.models:
@@ -54,9 +54,8 @@ def _core(contents: Contents, board: Board | None) -> dict[str, Any]:
             "flow": "lint",
             "flow_options": {"tool": "verilator", "verilator_options": ["-Wall"]},
         },
+        **_simulations(name, [*with_models, "bench"]),
     }
-    if contents.bench:
-        targets |= _simulations(name, [*with_models, "bench"])
     if board is not None:
         filesets[board.name] = _board_files(contents.name, board)
         targets[board.name] = _board_target(contents.name, board)
