@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from sculler_hdl.lib.clock_enable import ClockEnableInserter as ClockEnableInserter
     from sculler_hdl.plan.bus_ports import BUS_PREFIXES as BUS_PREFIXES
     from sculler_hdl.plan.bus_ports import own_bus_ports as own_bus_ports
+    from sculler_hdl.plan.bus_ports import unread_ports as unread_ports
     from sculler_hdl.plan.front import front_counter_ports as front_counter_ports
     from sculler_hdl.plan.front import front_ports as front_ports
     from sculler_hdl.plan.front import pin_ports as pin_ports
@@ -89,6 +90,7 @@ _PLACES = {
     "sample_ports": "plan.ports",
     "timing": "plan.timing",
     "unit_ports": "export.unit",
+    "unread_ports": "plan.bus_ports",
 }
 
 __all__ = [
@@ -125,6 +127,7 @@ __all__ = [
     "sample_ports",
     "timing",
     "unit_ports",
+    "unread_ports",
 ]
 
 

@@ -169,7 +169,11 @@ def test_a_clock_that_is_not_there_is_refused(tmp_path: Path) -> None:
 
 
 ROLES = {  # by hand: AMBA's signals, as Platform Designer calls them
-    "axi-lite": ("axi4lite end", "s_axi", {"awaddr", "awvalid", "awready", "wstrb", "wdata"}),
+    "axi-lite": (
+        "axi4lite end",
+        "s_axi",
+        {"awaddr", "awprot", "awready", "arprot", "wstrb", "wdata"},
+    ),
     "apb": ("apb end", "s_apb", {"paddr", "psel", "penable", "pwrite", "pready", "pslverr"}),
     "axi-stream": ("axi4stream start", "m_axis", {"tvalid", "tready", "tdata", "tlast"}),
     "wishbone": None,  # Platform Designer has no such interface: its ports are pins

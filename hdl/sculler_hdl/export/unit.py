@@ -9,7 +9,7 @@ from sculler_hdl.export.front import front_module_ports
 from sculler_hdl.export.manifest import module_ports
 from sculler_hdl.export.verilog_text import wrapped
 from sculler_hdl.export.vhdl import vhdl
-from sculler_hdl.plan.bus_ports import CORE, bus_ports
+from sculler_hdl.plan.bus_ports import BUS_PREFIXES, CORE, bus_ports, the_bus, unread_ports
 from sculler_hdl.plan.ports import Port, clock_ports, reset_name
 from sculler_model.design import Design
 
@@ -60,7 +60,10 @@ def unit_instances(design: Design) -> tuple[Instance, ...]:
 
 
 def unit_ports(design: Design) -> tuple[Port, ...]:
-    """Every port of the unit, in order: what no other part of it drives or reads."""
+    """Every port of the unit, in order: what no other part of it drives or reads.
+
+    And what the standard of its bus has, though nothing reads it.
+    """
     instances = unit_instances(design)
     inside = {net for net, ends in _ends(instances).items() if len({e.output for e in ends}) == 2}
     found: dict[str, Port] = {}
@@ -70,7 +73,21 @@ def unit_ports(design: Design) -> tuple[Port, ...]:
             if net not in inside:
                 found.setdefault(net, port._replace(name=net, told=port.meaning))
     clocks = [found.pop(port.name) for port in clock_ports(design)]
-    return (*clocks, *found.values())
+    unread = _unread(design)
+    ports: list[Port] = []
+    for port in found.values():
+        ports += [port, *(unread[name] for name in (port.name,) if name in unread)]
+    return (*clocks, *ports)
+
+
+def _unread(design: Design) -> dict[str, Port]:
+    """Ports of the unit that nothing reads, by the name of that which they follow."""
+    kind = the_bus(design).result
+    prefix = BUS_PREFIXES[kind]
+    return {
+        f"{prefix}{after}": port._replace(name=f"{prefix}{port.name}")
+        for after, port in unread_ports(kind).items()
+    }
 
 
 def _ends(instances: Sequence[Instance]) -> dict[str, list[Port]]:
@@ -106,6 +123,9 @@ def _verilog(design: Design, instances: Sequence[Instance]) -> str:
         ");",
         *(f"  wire {_range(port)}{net};" for net, port in wires.items()),
     ]
+    unread = [port.name for port in _unread(design).values()]
+    if unread:
+        lines.append(f"  wire unused = &{{1'b0, {', '.join(unread)}}};")
     for instance in instances:
         connections = ",\n".join(
             f"    .{port.name}({instance.nets[port.name]})" for port in instance.ports

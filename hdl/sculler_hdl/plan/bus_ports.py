@@ -132,6 +132,19 @@ def own_bus_ports(kind: str) -> list[Port]:
     return [Port(name, bits, output=output, told=told) for name, bits, output, told in _LISTS[kind]]
 
 
+def unread_ports(kind: str) -> dict[str, Port]:
+    """What the standard of a bus has beside them and nothing reads, by the port that it follows.
+
+    The unit has these ports, so that a tool finds the whole interface; `bus_ports` has them not.
+    """
+    if kind != "axi-lite":
+        return {}
+    return {
+        f"a{way}addr": Port(f"a{way}prot", 3, told=f"{what} protection, which nothing reads")
+        for way, what in (("w", "write"), ("r", "read"))
+    }
+
+
 def _host_side(bus: Bus) -> list[Port]:
     prefix = BUS_PREFIXES[bus.result]
     ports = [port._replace(name=f"{prefix}{port.name}") for port in own_bus_ports(bus.result)]

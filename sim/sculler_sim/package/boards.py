@@ -45,7 +45,7 @@ _NETS = {
     "m_axis_tdata": "data",
     "m_axis_tlast": "last",
 }
-"""Net of each port of the unit; others, outputs all, stay open."""
+"""Net of each port of the unit; of others, outputs stay open and inputs are 0."""
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,8 @@ def _check(board: Board, design: Design) -> None:
 def _top(board: Board, design: Design, top: str) -> str:
     bus = design.hardware.bus
     assert bus is not None
-    nets, master, modules = dict(_NETS), "", ""
+    ports, master, modules = unit_ports(design), "", ""
+    nets = {port.name: "" if port.output else f"{port.bits}'d0" for port in ports} | _NETS
     if bus.has_registers:
         nets |= master_nets(design)
         modules, master = master_module(top, design), master_instance(top, design)
@@ -202,9 +203,7 @@ def _top(board: Board, design: Design, top: str) -> str:
         baud=BAUD,
         divisor=round(board.clock_mhz * 1e6 / BAUD),
         pressed=board.pressed,
-        connections=",\n".join(
-            f"    .{port.name}({nets.get(port.name, '')})" for port in unit_ports(design)
-        ),
+        connections=",\n".join(f"    .{port.name}({nets[port.name]})" for port in ports),
         master=master,
         modules=modules,
         unused="" if bus.time_stamps else "  wire unused = &{1'b0, pulse};\n",

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sculler_hdl import Generated, RegisterMap, own_bus_ports, pin_ports, unit_ports
+from sculler_hdl import (
+    BUS_PREFIXES,
+    Generated,
+    RegisterMap,
+    own_bus_ports,
+    pin_ports,
+    unit_ports,
+    unread_ports,
+)
 from sculler_model.design import Bus, Design
 from sculler_sim.package.contents import (
     CLOCK_MHZ,
@@ -18,12 +26,8 @@ from sculler_sim.package.contents import (
 )
 from sculler_sim.package.unit_bench import bench_files
 
-_STANDARD: Mapping[str, tuple[Kind, str]] = {
-    "axi-lite": ("axi-lite", "s_axi_"),
-    "apb": ("apb", "s_apb_"),
-    "axi-stream": ("axi-stream", "m_axis_t"),
-}
-"""Interfaces that have a standard's definition, and what their ports begin with."""
+_STANDARD: Mapping[str, Kind] = {"axi-lite": "axi-lite", "apb": "apb", "axi-stream": "axi-stream"}
+"""Interfaces that have a standard's definition."""
 
 _BUS = "result_bus"
 """The instance of NAME_bus in the unit."""
@@ -85,12 +89,10 @@ def _reset(design: Design, port: str) -> Reset:
 def _interfaces(bus: Bus, clock: str, reset: str) -> tuple[Interface, ...]:
     found = []
     if bus.result in _STANDARD:
-        kind, prefix = _STANDARD[bus.result]
+        kind, prefix = _STANDARD[bus.result], BUS_PREFIXES[bus.result]
         letter = "T" if kind == "axi-stream" else ""
-        ports = {
-            f"{letter}{port.name}".upper(): f"{prefix}{port.name}"
-            for port in own_bus_ports(bus.result)
-        }
+        whole = (*own_bus_ports(bus.result), *unread_ports(bus.result).values())
+        ports = {f"{letter}{port.name}".upper(): f"{prefix}{port.name}" for port in whole}
         name = prefix.rstrip("_t").rstrip("_")
         found.append(Interface(name, kind, clock, reset, ports, not bus.has_registers))
     if bus.sample == "axi-stream":
