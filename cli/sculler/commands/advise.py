@@ -9,7 +9,6 @@ import click
 
 from sculler import terminal
 from sculler.commands.options import advice
-from sculler.commands.options.analysis import unfiltered_told
 from sculler.commands.options.vibration import SPECTRUM_HELP, mount, mount_options
 
 if TYPE_CHECKING:
@@ -100,8 +99,6 @@ def command(
         write_design(output, good[0].design)
         data["output"] = str(output)
         wrote = [f"wrote {terminal.verbatim(output)}"]
-    if plan.manoeuvre is not None or plan.position is not None:
-        wrote += unfiltered_told(plan.base)
     tables.append(_fails(bad, len(bad) if show_all else SHOWN))
     count = len(good) + len(bad)
     verdict = (

@@ -38,6 +38,11 @@ class Stage(Protocol):
         """F at phase λ (rad per sample interval)."""
         ...
 
+    @property
+    def delay(self) -> float:
+        """Sample intervals by which slow motion comes out late."""
+        ...
+
     def power(self, phase: Decimal) -> Decimal:
         """|F|² at phase λ."""
         ...
@@ -65,6 +70,11 @@ class Sinc:
         """F at λ."""
         x = float(self.width) * phase / 2
         return complex((sin(x) / x if x else 1.0) ** self.order)
+
+    @property
+    def delay(self) -> float:
+        """None: the mean is centred."""
+        return 0.0
 
     def power(self, phase: Decimal) -> Decimal:
         """|F|² at λ."""
@@ -107,6 +117,15 @@ class Digital:
             for part in (self.numerator, self.denominator)
         )
         return top / bottom
+
+    @property
+    def delay(self) -> float:
+        """Mean distance back of the numerator's taps, less that of the denominator's."""
+        top, bottom = (
+            sum((k * c for k, c in enumerate(part)), Fraction(0)) / sum(part)
+            for part in (self.numerator, self.denominator)
+        )
+        return float((top - bottom) * self.step)
 
     def power(self, phase: Decimal) -> Decimal:
         """|F|² at λ."""
@@ -190,6 +209,15 @@ class Analogue:
         )
         return complex(top / bottom)
 
+    @property
+    def delay(self) -> float:
+        """The denominator's share of s, less the numerator's."""
+        top, bottom = (
+            self._scaled(part)[1] if len(part) > 1 else Fraction(0)
+            for part in (self.numerator, self.denominator)
+        )
+        return float(bottom - top)
+
     def power(self, phase: Decimal) -> Decimal:
         """|F|² at λ."""
         square = phase * phase
@@ -253,6 +281,13 @@ class Measured:
         )
         return cmath.rect(gain, radians(angle))
 
+    @property
+    def delay(self) -> float:
+        """By the phase at the first frequency above 0."""
+        first = int(self.frequencies[0] == 0)
+        turns = -self.degrees[first] / 360
+        return float(turns * self.sample_rate / self.frequencies[first])
+
     def power(self, phase: Decimal) -> Decimal:
         """|F|² at λ."""
         hertz = Fraction(phase * exact(self.sample_rate) / (2 * decimal_pi()))
@@ -288,6 +323,11 @@ class Response:
     def value(self, phase: float) -> complex:
         """F at phase λ."""
         return reduce(lambda total, stage: total * stage.value(phase), self.stages, 1 + 0j)
+
+    @property
+    def delay(self) -> float:
+        """Sample intervals by which slow motion comes out late: -d arg F/dλ at zero frequency."""
+        return sum(stage.delay for stage in self.stages)
 
     def power(self, phase: Decimal) -> Decimal:
         """|F|² at phase λ, in the current decimal context."""

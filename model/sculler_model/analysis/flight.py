@@ -23,6 +23,7 @@ from sculler_model.analysis.integer_path import (
     through_core,
     with_fine_sensor,
 )
+from sculler_model.analysis.sensed import Felt, delay, passed, reach
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import STANDARD_GRAVITY, Quaternions, conjugate, product, rotate
@@ -140,13 +141,23 @@ class Profile:
     def samples(self, design: Design, first: int, count: int) -> Array:
         """(count, 6) samples as the sensor gives them, the first one over ``first T`` on.
 
-        Rate samples passed the filter sinc(ΩT/2).
+        Where no filter is stated, rate samples passed sinc(ΩT/2).
+
+        Raises:
+            InputError: the sensor's filter remembers for too long.
         """
-        T = design.sample_interval
+        T, rate = design.sample_interval, design.sensor.kind == "rate"
+        if design.sensor_response is not None:
+            return passed(design, self.felt, first + int(rate), count)
         number = np.arange(first, first + count + 1, dtype=np.float64)
         if design.sensor.kind == "increment":
             return np.diff(self.gone(number * T), axis=0)
         return np.diff(self.gone((number + 0.5) * T), axis=0) / T
+
+    @cached_property
+    def felt(self) -> Felt:
+        """What perfect sensors feel."""
+        return Felt(self.seen, 0.0, self.gone)
 
     def _places(self, t: Array) -> tuple[NDArray[np.intp], Array, NDArray[np.bool_]]:
         at = np.clip(t, 0.0, self.duration)
@@ -258,26 +269,28 @@ def flown(design: Design, profile: Profile) -> Flown:
     Args:
         design: the design.
         profile: the manoeuvre; its first whole major intervals are flown, and held against the
-            truth at their end.
+            truth at their end, or as much earlier as the sensor's filter delays.
 
     Raises:
-        InputError: it is shorter than a major interval.
+        InputError: it is shorter than a major interval, or the filter remembers for too long.
     """
     T, span = design.major_interval, design.samples_per_major
     majors = int(profile.duration / T + 1e-9)
     if majors < 1:
         raise InputError(f"{profile.name}: it is shorter than a major interval, {T:g} s")
-    # a major interval at rest before it
-    samples = profile.samples(design, -span, (majors + 1) * span)
+    # a major interval at rest before it, or as many as the filter looks ahead
+    early = max(-(-reach(design, profile.felt)[0] // span), 1)
+    samples = profile.samples(design, -early * span, (majors + early) * span)
     peaks = np.abs(samples).max(axis=0)
     fine = with_fine_sensor(design, float(peaks[:3].max()), float(peaks[3:].max()))
     found = major_increments(fine, through_core(fine, samples))
-    if design.sensor.kind == "rate":  # the leap to the first rates belongs to the interval before
+    if design.sensor.kind == "rate" and design.sensor_response is None:
+        # the leap to the first rates belongs to the interval before
         found = found[1:]
     q = running_attitude(found.phi)
     before = np.vstack(([1.0, 0, 0, 0], q[:-1]))
     velocity, position = _put_together(before, found.dv_sf, found.dr_sf, T)
-    true_q, true_velocity, true_position = truth(profile, majors * T)
+    true_q, true_velocity, true_position = truth(profile, max(majors * T - delay(design), 0.0))
     difference = np.stack(product(conjugate(tuple(true_q)), tuple(q[-1])))[None]
     return Flown(
         float(np.linalg.norm(rotation_vectors(difference))),

@@ -26,6 +26,7 @@ from sculler_model.analysis.integer_path import (
     with_fine_sensor,
 )
 from sculler_model.analysis.iteration import DEGREE, attitude_on
+from sculler_model.analysis.sensed import Felt, delay, passed, reach
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import conjugate, product
@@ -73,12 +74,17 @@ class Manoeuvre:
         return columns([*self.rates]), columns([p.integ() for p in self.rates])
 
     def samples(self, design: Design, count: int) -> Array:
-        """(count, 6) samples over intervals from time 0 on as the sensor gives them; no force.
+        """(count, 6) samples over intervals from `start` on as the sensor gives them; no force.
 
-        Rate samples passed the filter sinc(ΩT/2), as `Motion.rates`; the first one is at T, so
-        that the first interval, which shares the sample before, begins at time 0.
+        Where no filter is stated, rate samples passed sinc(ΩT/2), as `Motion.rates`.  The first
+        one is at T, so that the first interval, which shares the sample before, begins there.
+
+        Raises:
+            InputError: the sensor's filter remembers for too long.
         """
-        T = design.sample_interval
+        T, rate = design.sample_interval, design.sensor.kind == "rate"
+        if design.sensor_response is not None:
+            return passed(design, self.felt, int(rate) - reach(design, self.felt)[0], count)
         number = np.arange(count + 1, dtype=np.float64)
         out = np.zeros((count, 6))
         if design.sensor.kind == "increment":
@@ -86,6 +92,23 @@ class Manoeuvre:
         else:
             out[:, :3] = np.diff(self.angle((number + 0.5) * T), axis=0) / T
         return out
+
+    def start(self, design: Design) -> float:
+        """Where the samples begin, s: 0, or before that where the sensor's filter looks ahead.
+
+        Raises:
+            InputError: the sensor's filter remembers for too long.
+        """
+        return -reach(design, self.felt)[0] * design.sample_interval
+
+    @cached_property
+    def felt(self) -> Felt:
+        """What perfect sensors feel: no force."""
+
+        def of(rates: Array) -> Array:
+            return np.hstack((rates, np.zeros_like(rates)))
+
+        return Felt(lambda t: of(self.rate(t)), 0.0, lambda t: of(self.angle(t)))
 
     @property
     def peak(self) -> float:
@@ -177,12 +200,14 @@ class Split:
     Attributes:
         minors: M.
         update_hz: major intervals a second.
-        source_1, source_2: of the exact second-order step, and of the coefficients beyond it.
+        source_1, source_2: of the exact second-order step, and of the coefficients beyond it, with
+            what the sensor's filter leaves.
         complete: both, the algorithm on exact samples.
         third_order: the same with the host's third-order correction.
         integer_path: both, through counts and core.
         iteration: iterated to convergence on the same exact samples (`iteration`).
-        largest: of `complete`, the largest on the way.
+        largest: of `complete`, the largest on the way; the truth is taken as much earlier as the
+            sensor's filter delays.
     """
 
     minors: int
@@ -234,17 +259,19 @@ def split(
         degree: of the polynomial that `iteration` puts through the samples.
 
     Raises:
-        InputError: the rates do not fit the design's own sensor.
+        InputError: the rates do not fit the design's own sensor, or its filter remembers for too
+            long.
     """
     design = changed(design, algorithm={"minors": minors})
     if not own_sensor:
         scale = design.sample_interval if design.sensor.kind == "increment" else 1.0
         design = with_fine_sensor(design, manoeuvre.peak * scale)
     T = design.major_interval
-    majors = ceil(manoeuvre.duration / T - 1e-9) + 3
+    start, after = manoeuvre.start(design), reach(design, manoeuvre.felt)[1]
+    majors = ceil((manoeuvre.duration - start + after) / T - 1e-9) + 3
     samples = manoeuvre.samples(design, majors * design.samples_per_major)
-    times = T * np.arange(majors + 1, dtype=np.float64)
-    truth = true_attitude(manoeuvre, times)
+    times = start + T * np.arange(majors + 1, dtype=np.float64)
+    truth = true_attitude(manoeuvre, times - delay(design))
     exact = running_attitude(second_order_steps(manoeuvre, times))
     phi, alpha = unquantised(design, samples)
     counted = major_increments(design, through_core(design, samples))

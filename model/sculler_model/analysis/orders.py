@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from sculler_model.algorithms import ORDERS
 from sculler_model.analysis.integer_path import changed, running_attitude, with_fine_sensor
 from sculler_model.analysis.iteration import DEGREE, attitude_on
 from sculler_model.analysis.manoeuvre import Manoeuvre, errors, true_attitude
+from sculler_model.analysis.sensed import Felt, delay, passed, reach
 from sculler_model.analysis.triple import ConingTurn
 from sculler_model.design import Design
 from sculler_model.fast import run_fast
@@ -63,8 +65,14 @@ class HeldConing:
     motion: ConingTurn
 
     def samples(self, design: Design, count: int) -> Array:
-        """(count, 6) increments of gyro and accelerometer."""
+        """(count, 6) increments of gyro and accelerometer.
+
+        Raises:
+            InputError: the sensor's filter remembers for too long.
+        """
         interval = design.sample_interval
+        if design.sensor_response is not None:
+            return passed(design, Felt(self._felt, self.motion.fastest), 0, count)
         found = self.motion.increments(interval, count)
         nodes, weights = legendre_nodes(self.motion.fastest * interval)
         for node, weight in zip(nodes, weights, strict=True):
@@ -72,19 +80,29 @@ class HeldConing:
             found[:, 3:] += weight * interval * _turned(np.stack(conjugate(q), axis=1), FORCE)
         return found
 
-    def attitudes(self, times: Array) -> Array:
-        """(R, 4) true quaternions at times[1:]."""
-        q, _ = attitude(self.motion.turns(), times[1:])
-        back = conjugate(self.motion.attitude(float(times[0])))
+    def attitudes(self, design: Design, times: Array) -> Array:
+        """(R, 4) quaternions at times[1:], true to what the samples show (`ConingTurn.seen`)."""
+        late, seen = delay(design), self.motion.seen(design)
+        q, _ = attitude(seen.turns(), times[1:] - late)
+        back = conjugate(seen.attitude(float(times[0]) - late))
         w, x, y, z = (np.full_like(times[1:], part) for part in back)
         attitudes: Array = np.stack(product((w, x, y, z), q), axis=1)
         return attitudes
 
-    def force(self) -> Array:
-        """`FORCE` in the body's frame at the time 0."""
-        start = np.array([conjugate(self.motion.attitude(0.0))])
+    def longer(self, design: Design) -> float:
+        """What a run must be longer by behind the sensor's filter, s: nothing."""
+        return 0.0
+
+    def force(self, design: Design) -> Array:
+        """`FORCE` in the body's frame at the start, as `attitudes` has it."""
+        start = np.array([conjugate(self.motion.seen(design).attitude(-delay(design)))])
         force: Array = _turned(start, FORCE)[0]
         return force
+
+    def _felt(self, t: Array) -> Array:
+        """What perfect sensors feel, (N, 6)."""
+        q, rate = attitude(self.motion.turns(), t)
+        return np.hstack((np.stack(rate, axis=1), _turned(np.stack(conjugate(q), axis=1), FORCE)))
 
 
 @dataclass(frozen=True)
@@ -97,9 +115,14 @@ class Manoeuvred:
         """(count, 6) increments of the gyro; no force."""
         return self.motion.samples(design, count)
 
-    def attitudes(self, times: Array) -> Array:
+    def attitudes(self, design: Design, times: Array) -> Array:
         """(R, 4) true quaternions at times[1:]."""
-        return true_attitude(self.motion, times)
+        return true_attitude(self.motion, times + self.motion.start(design) - delay(design))
+
+    def longer(self, design: Design) -> float:
+        """What a run must be longer by behind the sensor's filter, s, to have the whole of it."""
+        ahead, back = reach(design, self.motion.felt)
+        return ahead * design.sample_interval + back
 
 
 def left_by_order(
@@ -115,21 +138,26 @@ def left_by_order(
         design: sample rate and coefficients (increments); its order and M do not matter.
         motion: the motion.
         minors: values of M.
-        seconds: length of the run, cut to whole major intervals.
+        seconds: length of the run, cut to whole major intervals; a manoeuvre's run is as much
+            longer as the sensor's filter takes.
         degree: of the polynomial that `iteration` puts through the samples.
 
     Raises:
-        InputError: the design can have no third order.
+        InputError: the design can have no third order; or the sensor's filter remembers for too
+            long, or is not known at the cone's frequency.
     """
     n, T = design.algorithm.samples, design.sample_interval
-    majors = {M: round(seconds / (M * n * T) - 0.5 + 1e-9) for M in minors}
+    longer = motion.longer(design)
+    majors = {
+        M: round(seconds / (M * n * T) - 0.5 + 1e-9) + ceil(longer / (M * n * T)) for M in minors
+    }
     samples = motion.samples(design, max(M * n * majors[M] for M in minors))
     peaks = np.abs(samples).reshape(-1, 2, 3).max(axis=(0, 2)).tolist()
     fine = with_fine_sensor(design, *peaks)
     counts = Quantiser(fine)(samples)
     for M in minors:
         times = M * n * T * np.arange(majors[M] + 1, dtype=np.float64)
-        true = motion.attitudes(times)
+        true = motion.attitudes(design, times)
         hand_over = changed(design, algorithm={"minors": M})
         allowed = attitude_on(hand_over, samples[: M * n * majors[M]], degree=degree)
         iteration = MICRO * float(errors(allowed[-1:], true[-1:])[0])
@@ -141,7 +169,7 @@ def left_by_order(
             if isinstance(motion, HeldConing):
                 starts = np.concatenate(([[1.0, 0, 0, 0]], true[:-1]))
                 reached = _turned(starts, found.dv_sf).sum(axis=0)
-                velocity = float(np.linalg.norm(reached - times[-1] * motion.force()))
+                velocity = float(np.linalg.norm(reached - times[-1] * motion.force(design)))
             end, largest = float(errors_on_the_way[-1]), float(errors_on_the_way.max())
             yield Left(M, order, end, largest, velocity, iteration)
 

@@ -12,9 +12,10 @@ than an integral.
 
 from __future__ import annotations
 
+from cmath import exp
 from collections.abc import Callable
-from dataclasses import dataclass
-from math import pi, sqrt
+from dataclasses import dataclass, replace
+from math import isnan, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,6 +121,42 @@ class Conditions:
             raise InputError("the vibration: it has no frequency, give one in Hz")
         if not (self.limit and self.seconds):
             raise InputError("the limit: give m and seconds above 0")
+
+
+def seen(design: Design, conditions: Conditions) -> tuple[Conditions, float]:
+    """Conditions as a design's samples show them.
+
+    The sensor's filter takes a part of the vibration and of the rocking.  It delays slow motion,
+    which changes nothing but the stamps.
+
+    Args:
+        design: its sensor may have a filter.
+        conditions: as the sensor feels them.
+
+    Returns:
+        The conditions of the samples, and the amplitude (m) of the vibration's displacement that
+        is not in them: it is there whatever forms the position, and does not grow.
+
+    Raises:
+        InputError: the filter's measured response ends below the vibration's frequency.
+    """
+    response, omega = design.sensor_response, 2 * pi * conditions.hertz
+    if response is None or not omega:
+        return conditions, 0.0
+    phase = omega * design.sample_interval
+    gain = response.value(phase)
+    if isnan(gain.real):
+        raise InputError(
+            f"sensor.filter: the measured response ends below the vibration's"
+            f" {conditions.hertz:g} Hz, give more points or a lower frequency"
+        )
+    shown = replace(
+        conditions,
+        vibration=abs(gain) * conditions.vibration,
+        rocking=abs(gain) * conditions.rocking,
+    )
+    amplitude = sqrt(2) * conditions.vibration / omega**2
+    return shown, amplitude * abs(1 - gain * exp(1j * phase * response.delay))
 
 
 @dataclass(frozen=True)
@@ -276,7 +313,8 @@ def left(design: Design, conditions: Conditions) -> Left:
     """What trapezoid and high resolution leave of the conditions' motion.
 
     Force and rate swing about their largest values so that their largest ramps are those asked
-    for; the vibration is on top.  The sensor is so fine that its LSB does not show.
+    for; the vibration is on top.  The sensor is so fine that its LSB does not show, and its filter
+    is left out: `seen` has what is behind it.
 
     Args:
         design: sample rate, n and M; its family does not matter.

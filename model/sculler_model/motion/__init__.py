@@ -26,12 +26,12 @@ from sculler_model.motion.catalogue import (
 )
 from sculler_model.motion.curves import Curve, EvenPace, Smooth, Spline
 from sculler_model.motion.earthbound import Motion
-from sculler_model.motion.filtered import delivered
+from sculler_model.motion.filtered import Filtered, delivered
 from sculler_model.motion.flight_plan import Leg, flight
 from sculler_model.motion.inertial import Coning, Sculling, SpinAccel
 from sculler_model.motion.placed import Placed, as_felt
 from sculler_model.motion.points import SMOOTHNESS, Knots, PointCurve, Tumble
-from sculler_model.motion.sampling import legendre_nodes
+from sculler_model.motion.sampling import Sampled, legendre_nodes
 from sculler_model.motion.trajectory import Points, through
 from sculler_model.motion.turns import (
     Rotation,
@@ -53,6 +53,7 @@ __all__ = [
     "Coning",
     "Curve",
     "EvenPace",
+    "Filtered",
     "Knots",
     "Leg",
     "Motion",
@@ -60,6 +61,7 @@ __all__ = [
     "PointCurve",
     "Points",
     "Rotation",
+    "Sampled",
     "Sculling",
     "Smooth",
     "SpinAccel",

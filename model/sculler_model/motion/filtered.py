@@ -39,20 +39,22 @@ class Filtered:
     transform of the response, which falls off smoothly where no motion has anything: from half to
     all of the fine steps' Nyquist frequency, which is eight times the samples' or more.  So a
     vibration comes out with the gain and the phase of F to some 1e-12.  Before time 0 everything
-    stood as in the first fine step; beyond the end the motion goes on.  Above the last frequency of
-    a measured response it is as at the last.
+    stood as in the first fine step, if not said otherwise; beyond the end the motion goes on.
+    Above the last frequency of a measured response it is as at the last.
 
     Attributes:
         motion: what the sensor feels.
         response: F, as a function of the phase a sample interval.
         kind: increments are filtered and summed up; a rate is the filter's value at its instant.
         interval: T, s.
+        still: whether everything stood still before time 0; else the motion had been going on.
     """
 
     motion: Sampled
     response: Response
     kind: Literal["increment", "rate"]
     interval: float
+    still: bool = True
 
     def chunks(self, samples: int, chunk: int | None = None) -> Iterator[Array]:
         """So many samples (N, 6) from time 0 on, block by block, in bounded memory.
@@ -63,6 +65,28 @@ class Filtered:
         chunk = chunk or max(1024, _BLOCK // self.per)
         for first in range(0, samples, chunk):
             yield self._samples(first, min(chunk, samples - first))
+
+    def stretch(self, first: int, count: int) -> Array:
+        """Samples (count, 6) from a number on, which may be negative.
+
+        Raises:
+            InputError: the filter remembers for too long.
+        """
+        block = max(1024, _BLOCK // self.per)
+        ends = range(first, first + count, block)
+        parts = [self._samples(at, min(block, first + count - at)) for at in ends]
+        return np.concatenate([np.empty((0, 6)), *parts])
+
+    @property
+    def memory(self) -> tuple[float, float]:
+        """How far the filter looks ahead and back, s.
+
+        Raises:
+            InputError: too far back.
+        """
+        weights, ahead = self._kernel
+        step = self.interval / self.per
+        return ahead * step, (len(weights) - 1 - ahead) * step
 
     @cached_property
     def per(self) -> int:
@@ -123,7 +147,8 @@ class Filtered:
 
     def _steps(self, begin: int, count: int) -> Array:
         """Fine increments, or rates at their instants, from a number on, which may be negative."""
-        early, step = min(count, max(0, -begin)), self.interval / self.per
+        step = self.interval / self.per
+        early = min(count, max(0, -begin)) if self.still else 0
 
         def of(number: int, many: int) -> Array:
             if self.kind == "increment":
@@ -132,7 +157,7 @@ class Filtered:
 
         parts = [np.repeat(of(0, 1), early, axis=0)] if early else []
         if count > early:
-            parts.append(of(max(begin, 0), count - early))
+            parts.append(of(begin + early, count - early))
         return np.concatenate(parts)
 
 

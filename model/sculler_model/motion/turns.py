@@ -70,10 +70,10 @@ class Rotation(Protocol):
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-def coning_turns(half_angle: float, omega: float) -> tuple[Turn, Turn, Turn]:
-    """Classical coning as turns: the rotation vector half_angle·(cos Ωt, sin Ωt, 0)."""
-    spin = Curve((0.0, omega))
-    back = Curve((0.0, -omega))
+def coning_turns(half_angle: float, omega: float, phase: float = 0.0) -> tuple[Turn, Turn, Turn]:
+    """Classical coning as turns: the rotation vector half_angle·(cos, sin, 0)(Ωt + phase)."""
+    spin = Curve((phase, omega))
+    back = Curve((0.0 - phase, -omega))
     return Turn(Z, spin), Turn(X, Curve((half_angle,))), Turn(Z, back)
 
 

@@ -87,7 +87,7 @@ def command(
 
         manoeuvre_picture(output, data)
         data["picture"] = str(output)
-    told = options.unfiltered_told(*(subject.design for subject in plan.subjects.values()))
+    told = options.filtered_told(*(subject.design for subject in plan.subjects.values()))
     terminal.report(data, as_json, _table(data), *told, *options.picture_told(output))
 
 

@@ -77,7 +77,7 @@ def command(design_name: str, as_json: bool, **asked: Any) -> None:
     plan = OrdersPlan(terminal.load_design(design_name), design_name, **asked)
     with terminal.progress("running", 3 * len(plan.minors)) as advance:
         data = orders_study(plan, advance=advance)
-    told = options.unfiltered_told(plan.design)
+    told = options.filtered_told(plan.design)
     terminal.report(data, as_json, _table(data), *told)
 
 

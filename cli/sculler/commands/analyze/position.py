@@ -81,7 +81,12 @@ def command(no_vibration: bool, as_json: bool, **asked: Any) -> None:
     tables: list[Any] = []
     for name, found in data["designs"].items():
         tables += [_selection(name, found, data), _left(found, data)]
-    told = options.unfiltered_told(*(subject.design for subject in plan.subjects.values()))
+    told = [
+        f"{name}: the sensor's filter takes {found['filter_takes']:.3g} cm of the vibration's own"
+        " displacement, which does not grow"
+        for name, found in data["designs"].items()
+        if "filter_takes" in found
+    ]
     terminal.report(data, as_json, *tables, *told)
 
 

@@ -94,7 +94,7 @@ def command(design_name: str, as_json: bool, **asked: Any) -> None:
     plan = ThirdOrderPlan(terminal.load_design(design_name), design_name, **asked)
     with terminal.progress("running", len(plan.minors)) as advance:
         data = third_order_study(plan, advance=advance)
-    told = options.unfiltered_told(plan.design)
+    told = options.filtered_told(plan.design)
     terminal.report(data, as_json, _table(data, 1e3 * plan.minor_interval), *told)
 
 

@@ -165,12 +165,15 @@ def picture_told(output: Path | None) -> list[str]:
     return [] if output is None else [f"picture: {terminal.verbatim(output)}"]
 
 
-def unfiltered_told(*designs: Design) -> list[str]:
-    """The report's line about designs whose sensor's filter the study leaves out."""
+def filtered_told(*designs: Design) -> list[str]:
+    """The report's line about designs whose samples passed a filter that is stated."""
     names = [design.name for design in designs if design.sensor_response is not None]
     if not names:
         return []
-    return [f"the sensor's filter is left out of this study: {', '.join(names)}"]
+    return [
+        f"behind the sensor's filter: {', '.join(names)}; iteration does not know of it, tuned"
+        " tables do"
+    ]
 
 
 def frequency_plan(kind: Kind, options: Mapping[str, Any]) -> FrequencyPlan:

@@ -9,7 +9,7 @@ from typing import Any
 
 from sculler.runs.analysis.subject import Subject
 from sculler.words import Advance, silent
-from sculler_model.analysis.position import Conditions, Left, Selection, Term, left, selection
+from sculler_model.analysis.position import Conditions, Left, Selection, Term, left, seen, selection
 from sculler_model.analysis.vibration import G
 from sculler_model.design import Design
 from sculler_model.errors import InputError
@@ -78,13 +78,20 @@ class PositionPlan:
 
 
 def position_study(plan: PositionPlan, *, advance: Advance = silent) -> dict[str, Any]:
-    """Selection and errors of each design; lengths in cm."""
+    """Selection and errors of each design, behind its sensor's filter; lengths in cm.
+
+    Raises:
+        InputError: a filter is not known at the vibration's frequency.
+    """
     conditions = plan.conditions
     designs = {}
     for name, subject in plan.subjects.items():
         design = subject.design
-        chosen = selection(conditions, design.major_interval)
-        designs[name] = _of_design(design, chosen, left(design, conditions))
+        shown, missed = seen(design, conditions)
+        chosen = selection(shown, design.major_interval)
+        designs[name] = _of_design(design, chosen, left(design, shown))
+        if design.sensor_response is not None:
+            designs[name]["filter_takes"] = 100 * missed
         advance(1)
     given = {key: value for key, value in asdict(plan).items() if key != "subjects"}
     return {"study": "position", "unit": "cm", **given, "designs": designs}

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from sculler_model.analysis.advice.candidates import Environment, Requirement
 from sculler_model.analysis.flight import flown
-from sculler_model.analysis.position import Conditions, left, selection
+from sculler_model.analysis.position import Conditions, left, seen, selection
 from sculler_model.design import Design
 
 MOST_SECONDS = 20.0
@@ -71,36 +71,37 @@ class Paths:
             found = Path(degrees(end.angle), end.velocity, end.position)
         if self.conditions is None:
             return found._replace(position=None)
-        fine = design.algorithm.position == "high-resolution"
-        steady = self._high(design) if fine else self._trapezoid(design.major_interval)
-        return found._replace(position=max(steady, found.position or 0.0))
+        conditions, missed = seen(design, self.conditions)
+        if design.algorithm.position == "high-resolution":
+            steady = self._high(design, conditions)
+        else:
+            steady = self._trapezoid(design.major_interval, conditions)
+        return found._replace(position=max(steady + missed, found.position or 0.0))
 
-    def _trapezoid(self, T: float) -> float:
+    def _trapezoid(self, T: float, conditions: Conditions) -> float:
         """The largest of its errors over the requirement's time (`position.selection`), m."""
-        assert self.conditions is not None
-        errors = {term.name: term for term in selection(self.conditions, T).trapezoid}
+        errors = {term.name: term for term in selection(conditions, T).trapezoid}
         aliased = errors.pop("trapezoid, vibration aliased")
         largest = max(term.systematic for term in errors.values())
-        return max(largest, aliased.random if self.random else self._aliased(aliased.each, T))
+        tone = conditions.hertz
+        return max(largest, aliased.random if self.random else self._aliased(aliased.each, T, tone))
 
-    def _aliased(self, each: float, T: float) -> float:
+    def _aliased(self, each: float, T: float, hertz: float) -> float:
         """Of a tone: it grows only where the tone is near a multiple of the results' rate."""
-        assert self.conditions is not None
-        cycles = self.conditions.hertz * T
+        cycles = hertz * T
         apart = abs(cycles - round(cycles)) / T
         grown = self.requirement.seconds
         if apart > 0:
             grown = min(grown, 1 / (2 * apart))
         return sqrt(2) * each * grown / T if round(cycles) else sqrt(2) * each
 
-    def _high(self, design: Design) -> float:
+    def _high(self, design: Design, conditions: Conditions) -> float:
         """At high resolution, m: it does not know the family (`position.left`)."""
-        assert self.conditions is not None
         key = design.sensor.sample_rate_hz, design.samples_per_major
         if key not in self._kept:
-            seconds = min(self.conditions.seconds, MOST_SECONDS)
-            error = left(design, replace(self.conditions, seconds=seconds)).core
+            seconds = min(conditions.seconds, MOST_SECONDS)
+            error = left(design, replace(conditions, seconds=seconds)).core
             assert error is not None
-            grown = max(self.conditions.seconds / seconds, 1.0)
+            grown = max(conditions.seconds / seconds, 1.0)
             self._kept[key] = error.largest * grown
         return self._kept[key]
