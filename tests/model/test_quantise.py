@@ -45,6 +45,26 @@ def test_every_running_total_is_the_input_rounded() -> None:
             assert abs(total) <= Fraction(1, 2) + Fraction(1501, 2**43)
 
 
+@pytest.mark.parametrize("lsb", [2.0**-20, np.nextafter(2.0**-20, 0), 0.3e-7, 1 / 3, 5.7e-9])
+def test_what_division_leaves_is_exact(lsb: float) -> None:
+    """Against exact rationals, near whole, half and quarter LSBs, up to 2^30 counts."""
+    rng = np.random.default_rng(7)
+    whole = np.rint(2.0 ** rng.uniform(0, rng.uniform(8, 30, (200, 1)), (200, 6)))
+    values = (whole + rng.choice([0, 0.25, 0.5, 1 - 2.0**-30], whole.shape)) * lsb
+    values = np.nextafter(values, rng.choice([-1e9, 0, 1e9], whole.shape))
+    values *= rng.choice([-1.0, 1.0], whole.shape)
+    step = Fraction(lsb)
+    quantiser = Quantiser(design(32, lsb))
+    for part in (values[whole.max(axis=1) < 2**24 - 1], values):
+        for found, value in zip(
+            quantiser._rest(part).ravel().tolist(), part.ravel().tolist(), strict=True
+        ):
+            left = abs(Fraction(value)) % step
+            if left == 0 and found:
+                left = step
+            assert Fraction(found) == (left if value > 0 else -left)
+
+
 def test_no_angle_is_lost_over_millions_of_large_samples() -> None:
     lsb = 1.7e-9
     # most of 31 bits: a rounded division would be off by 2**-22 LSB

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from sculler.formats.history import HistoryWriter
+from sculler.formats.lines import ahead
 from sculler.formats.log import LogWriter
 from sculler.formats.truth import read_truth
 from sculler.formats.truth_columns import LOCAL
@@ -336,7 +337,7 @@ def write_motion(
     gathered = None if allan is None else Gathered(design, plan.samples)
     with replacing(output) as temporary:
         with LogWriter(temporary) as log:
-            for perfect in delivered(motion, design, plan.samples):
+            for perfect in ahead(delivered(motion, design, plan.samples)):
                 counts = quantise(imperfect(perfect))
                 log.write(counts)
                 if gathered is not None:

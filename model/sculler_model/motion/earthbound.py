@@ -26,22 +26,19 @@ import numpy as np
 
 from sculler_model.errors import InputError
 from sculler_model.frames import (
-    EARTH_RATE,
-    ECCENTRICITY_SQUARED,
-    SEMI_MAJOR_AXIS,
     Quaternion,
     Quaternions,
     Vector,
     Vectors,
     conjugate,
-    cross,
-    normal_gravity,
     product,
     radii,
     rotate,
 )
 from sculler_model.motion import sampling
+from sculler_model.motion.compiled import loops
 from sculler_model.motion.curves import ZERO_CURVE, Array, Jet, Smooth
+from sculler_model.motion.kinematics import felt, followed, seen
 from sculler_model.motion.sampling import Sampled
 from sculler_model.motion.turns import Rotation, attitude_jet
 from sculler_model.navigation import NavHistory
@@ -135,23 +132,7 @@ class Motion(Sampled):
         Returns:
             (N, 6): ω_ib (rad/s), then specific force (m/s²), in the body frame.
         """
-        path = _Path(self, t)
-        to_body = conjugate(path.q)
-        ie = (EARTH_RATE * path.k[0], EARTH_RATE * path.k[1], EARTH_RATE * path.k[2])
-        en = path.rate
-        frame = rotate(to_body, (ie[0] + en[0], ie[1] + en[1], ie[2] + en[2]))
-        twice = (2 * ie[0] + en[0], 2 * ie[1] + en[1], 2 * ie[2] + en[2])
-        coriolis = cross(twice, path.velocity)
-        change = path.acceleration
-        leaning, down = normal_gravity(path.sin_lat, path.h[0])
-        force = (
-            change[0] + coriolis[0] - leaning * path.k[0],
-            change[1] + coriolis[1] - leaning * path.k[1],
-            change[2] + coriolis[2] - down,
-        )
-        rate = path.body_rate
-        turning = (frame[0] + rate[0], frame[1] + rate[1], frame[2] + rate[2])
-        return np.stack((*turning, *rotate(to_body, force)), axis=1)
+        return _Path(self, t).felt()
 
     @property
     def highest(self) -> float:
@@ -171,7 +152,7 @@ class Motion(Sampled):
     def _geodetic(self, path: _Path) -> tuple[Array, Array, Array]:
         """Latitude, longitude, and by how much grid north lies east of true north (rad)."""
         assert self.grid is not None
-        one = np.ones_like(path.sin_lat)
+        one = np.ones_like(path.h[0])
         w, x, y, z = self.grid
         to_earth: Quaternions = (w * one, x * one, y * one, z * one)
         n_x, n_y, n_z = rotate(to_earth, path.normal)
@@ -190,66 +171,55 @@ class _Path:
 
     Attributes:
         q: body to level frame.
-        body_rate: of the body against the level frame, body axes, rad/s.
         lat, lon, h: grid coordinates, each with two derivatives.
-        rate: ρ, of the level frame over the Earth, rad/s.
-        k: the Earth's axis.
-        sin_lat: sine of geodetic latitude.
-        velocity, acceleration: over the Earth, and its derivative component by component.
     """
 
     def __init__(self, motion: Motion, t: Array) -> None:
-        self.q, self.body_rate, body_change = attitude_jet(motion.turns, t)
+        self._loops = loops(len(t))
+        self._attitude = attitude_jet(motion.turns, t, self._loops)
+        self.q = self._attitude[0]
         meridian, prime_vertical = radii(sin(motion.lat))
         per_north = 1 / (meridian + motion.h)
         per_east = 1 / ((prime_vertical + motion.h) * cos(motion.lat))
         north, east, up = motion.north.jet(t), motion.east.jet(t), motion.up.jet(t)
         if motion.arm:
-            arm = _arm(motion.arm, t, self.q, self.body_rate, body_change)
+            arm = self._seen(motion.arm, t)
             north, east = _added(north, arm[0]), _added(east, arm[1])
-            up = _added(up, tuple(-down for down in arm[2]))
+            up = _added(up, (-arm[2][0], -arm[2][1], -arm[2][2]))
         self.lat = (motion.lat + per_north * north[0], per_north * north[1], per_north * north[2])
         self.lon = (motion.lon + per_east * east[0], per_east * east[1], per_east * east[2])
         self.h = (motion.h + up[0], up[1], up[2])
-        self._follow(earth_axis(motion.grid))
+        lat, lon = self.lat[0], self.lon[0]
+        self._sines = np.sin(lat), np.cos(lat), np.sin(lon), np.cos(lon)
+        self._axis = earth_axis(motion.grid)
 
-    def _follow(self, axis: Vector) -> None:
-        """(M1-M2) and their derivative; axis: the Earth's, in the grid."""
-        (lat, lat1, lat2), (lon, lon1, lon2), (h, h1, h2) = self.lat, self.lon, self.h
-        sin_lat, cos_lat = np.sin(lat), np.cos(lat)
-        sin_lon, cos_lon = np.sin(lon), np.cos(lon)
-        self._sines = sin_lat, cos_lat, sin_lon, cos_lon
-        x, y, z = axis
-        outward = x * cos_lon + y * sin_lon
-        k_n = z * cos_lat - sin_lat * outward
-        k_e = y * cos_lon - x * sin_lon
-        s = z * sin_lat + cos_lat * outward
-        self.k: Vectors = (k_n, k_e, -s)
-        self.sin_lat = s
-
-        # ρ; ṅ is (lat1, east1, 0)
-        east1 = lon1 * cos_lat
-        east2 = lon2 * cos_lat - lon1 * lat1 * sin_lat
-        rate_d = -lon1 * sin_lat
-        self.rate: Vectors = (east1, -lat1, rate_d)
-        # k stands still on the Earth: k̇ = -ρ×k in level axes
-        k_n1 = rate_d * k_e - lat1 * s
-        k_e1 = -rate_d * k_n - east1 * s
-        s1 = lat1 * k_n + east1 * k_e
-        s2 = lat2 * k_n + east2 * k_e + lat1 * k_n1 + east1 * k_e1
-
-        D = 1 - ECCENTRICITY_SQUARED * s * s
-        N = SEMI_MAJOR_AXIS / np.sqrt(D)
-        g = ECCENTRICITY_SQUARED * s * s1 / D
-        p = ECCENTRICITY_SQUARED * N * s1 / D  # e² d(N s)/dt
-        p1 = ECCENTRICITY_SQUARED * N * (s2 + 3 * g * s1) / D
-        radius, radius1 = N + h, N * g + h1
-        self.velocity: Vectors = (radius * lat1 - p * k_n, radius * east1 - p * k_e, -h1)
-        self.acceleration: Vectors = (
-            radius1 * lat1 + radius * lat2 - p1 * k_n - p * k_n1,
-            radius1 * east1 + radius * east2 - p1 * k_e - p * k_e1,
-            -h2,
+    def _seen(self, arm: tuple[Smooth, ...], t: Array) -> tuple[Jet, Jet, Jet]:
+        """The arm from the level frame, axis by axis."""
+        x, y, z = (part.jet(t) for part in arm)
+        if self._loops is None:
+            return seen((x, y, z), *self._attitude)
+        found = np.empty((9, len(t)))
+        self._loops.see((x, y, z), *self._attitude, found)
+        return (
+            (found[0], found[1], found[2]),
+            (found[3], found[4], found[5]),
+            (found[6], found[7], found[8]),
         )
+
+    @property
+    def velocity(self) -> Vectors:
+        """Over the Earth, north, east, down in the grid, m/s."""
+        return followed(self.lat, self.lon, self.h, self._sines, self._axis)[2]
+
+    def felt(self) -> Array:
+        """ω_ib and specific force in body axes (N, 6)."""
+        place = self.lat, self.lon, self.h, self._sines, self._axis
+        if self._loops is None:
+            turning, force = felt(self.q, self._attitude[1], *place)
+            return np.stack((*turning, *force), axis=1)
+        found = np.empty((len(self.h[0]), 6))
+        self._loops.feel(self.q, self._attitude[1], *place, found)
+        return found
 
     @property
     def normal(self) -> Vectors:
@@ -269,26 +239,5 @@ def earth_axis(grid: Quaternion | None) -> Vector:
     return (0.0, 0.0, 1.0) if grid is None else rotate(conjugate(grid), (0.0, 0.0, 1.0))
 
 
-def _arm(
-    arm: tuple[Smooth, ...], t: Array, q: Quaternions, rate: Vectors, change: Vectors
-) -> tuple[Jet, Jet, Jet]:
-    """A vector of body axes seen from the level frame, with two derivatives, axis by axis."""
-    (x, x1, x2), (y, y1, y2), (z, z1, z2) = (part.jet(t) for part in arm)
-    a, b = cross(rate, (x, y, z)), cross(rate, (x1, y1, z1))
-    first = (x1 + a[0], y1 + a[1], z1 + a[2])
-    c, d = cross(change, (x, y, z)), cross(rate, a)
-    second = (
-        x2 + 2 * b[0] + c[0] + d[0],
-        y2 + 2 * b[1] + c[1] + d[1],
-        z2 + 2 * b[2] + c[2] + d[2],
-    )
-    value, first, second = rotate(q, (x, y, z)), rotate(q, first), rotate(q, second)
-    return (
-        (value[0], first[0], second[0]),
-        (value[1], first[1], second[1]),
-        (value[2], first[2], second[2]),
-    )
-
-
-def _added(a: Jet, b: tuple[Array, ...]) -> Jet:
+def _added(a: Jet, b: Jet) -> Jet:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]

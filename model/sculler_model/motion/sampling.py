@@ -11,6 +11,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
+from sculler_model.motion.compiled import loops
 from sculler_model.motion.curves import Array
 
 CHUNK = 1 << 15
@@ -198,10 +199,21 @@ class Sampled(ABC):
             number = begin + many * (panel + np.arange(count, dtype=np.float64)) - lead
             t = (number + many * rule.nodes[:, None]) * interval
             values = self.sensed(t.ravel()).reshape(nodes, count, 6)
-            total = np.zeros((many, count, 6))
-            share = np.empty_like(total)
-            for weights, value in zip(rule.weights.T, values, strict=True):
-                np.multiply(weights[:, None, None], value, out=share)
-                total += share
-            parts.append(total.swapaxes(0, 1).reshape(-1, 6))
+            parts.append(_means(rule.weights, values).reshape(-1, 6))
         return np.concatenate(parts)[first - begin : first - begin + samples]
+
+
+def _means(weights: Array, values: Array) -> Array:
+    """Weights (m, n) times values (n, panels, 6), one after the other: (panels, m, 6)."""
+    many, panels = len(weights), values.shape[1]
+    machine = loops(0)
+    if machine is not None:
+        found = np.empty((panels, many, 6))
+        machine.mean(np.ascontiguousarray(weights.T), values, found)
+        return found
+    total = np.zeros((many, panels, 6))
+    share = np.empty_like(total)
+    for each, value in zip(weights.T, values, strict=True):
+        np.multiply(each[:, None, None], value, out=share)
+        total += share
+    return total.swapaxes(0, 1)

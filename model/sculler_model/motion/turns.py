@@ -8,8 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
-from sculler_model.frames import Quaternions, Vector, Vectors, conjugate, cross, product, rotate
+from sculler_model.frames import Quaternions, Vector, Vectors
+from sculler_model.motion.compiled import Loops
 from sculler_model.motion.curves import Array, Curve, Smooth
+from sculler_model.motion.kinematics import turned
 
 
 @dataclass(frozen=True)
@@ -102,24 +104,24 @@ def attitude(turns: Sequence[Rotation], t: Array) -> tuple[Quaternions, Vectors]
     return q, rate
 
 
-def attitude_jet(turns: Sequence[Rotation], t: Array) -> tuple[Quaternions, Vectors, Vectors]:
-    """As `attitude`, and the derivative of the rate (rad/s²), component by component."""
+def attitude_jet(
+    turns: Sequence[Rotation], t: Array, loops: Loops | None = None
+) -> tuple[Quaternions, Vectors, Vectors]:
+    """As `attitude`, and the derivative of the rate (rad/s²), component by component.
+
+    Args:
+        turns, t: as of `attitude`.
+        loops: does the arithmetic, if given; the numbers are the same.
+    """
     one, zero = np.ones_like(t), np.zeros_like(t)
-    q: Quaternions = (one, zero, zero, zero)
-    rate: Vectors = (zero, zero, zero)
-    change: Vectors = (zero, zero, zero)
+    found: tuple[Quaternions, Vectors, Vectors]
+    if loops is None:
+        found = (one, zero, zero, zero), (zero, zero, zero), (zero, zero, zero)
+        for turn in turns:
+            found = turned(found, turn.jet(t))
+        return found
+    rows = np.stack((one, *[zero] * 9))
     for turn in turns:
-        step, own, gain = turn.jet(t)
-        back = conjugate(step)
-        q = product(q, step)
-        old_x, old_y, old_z = rotate(back, rate)
-        # in the new axes, which turn by `own`, what stood before turns the other way
-        swing_x, swing_y, swing_z = cross((old_x, old_y, old_z), own)
-        was_x, was_y, was_z = rotate(back, change)
-        change = (
-            was_x + swing_x + gain[0],
-            was_y + swing_y + gain[1],
-            was_z + swing_z + gain[2],
-        )
-        rate = (old_x + own[0], old_y + own[1], old_z + own[2])
-    return q, rate, change
+        loops.turn(rows, *turn.jet(t))
+    q0, q1, q2, q3, w0, w1, w2, c0, c1, c2 = rows
+    return (q0, q1, q2, q3), (w0, w1, w2), (c0, c1, c2)
