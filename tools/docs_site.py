@@ -36,6 +36,7 @@ def design_keys(part: str) -> str:
     from sculler_model.design import (
         algorithm,
         band,
+        compensation,
         custom_frame,
         design,
         filters,
@@ -46,6 +47,7 @@ def design_keys(part: str) -> str:
     )
 
     rooms = (design, sensor, sensor_errors, algorithm, hardware, band, filters, front, custom_frame)
+    rooms += (compensation,)
     model = next(getattr(room, part) for room in rooms if hasattr(room, part))
     rows = []
     for key, field in model.model_fields.items():

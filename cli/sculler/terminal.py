@@ -157,6 +157,22 @@ def load_design(name: str) -> Design:
     )
 
 
+def load_bare_design(name: str) -> Design:
+    """`load_design`, for studies of what is behind the compensation.
+
+    Raises:
+        InputError: as `load_design`, or the design has one.
+    """
+    from sculler_model.errors import InputError
+
+    design = load_design(name)
+    if design.compensation is not None:
+        raise InputError(
+            f"{name}: compensation: this verb studies what is behind it, leave the table out"
+        )
+    return design
+
+
 def report(data: Mapping[str, Any], as_json: bool, *renderables: RenderableType) -> None:
     """Tell the result on stdout: as JSON, or as the given rich renderables."""
     if as_json:

@@ -6,6 +6,7 @@ from sculler_hdl.compact.core import CompactCore
 from sculler_hdl.hardened.compact import HardenedCompactCore
 from sculler_hdl.hardened.pipelined import HardenedPipelinedCore
 from sculler_hdl.pipelined.core import PipelinedCore
+from sculler_hdl.plan.timing import require_no_compensation
 from sculler_model.design import Design
 
 Core = CompactCore | PipelinedCore | HardenedCompactCore | HardenedPipelinedCore
@@ -20,8 +21,9 @@ def build_core(design: Design, *, primitive: bool = True) -> Core:
             which cannot run instances, with the same behaviour on every clock.
 
     Raises:
-        InputError: `hardware.multipliers` are too few.
+        InputError: `hardware.multipliers` are too few, or the design has compensation.
     """
+    require_no_compensation(design)
     if design.hardware.hardening is not None:
         compact = design.hardware.core == "compact"
         made = HardenedCompactCore if compact else HardenedPipelinedCore

@@ -269,7 +269,7 @@ class TestOneFault:
         ("key", "hint"),
         [
             ("nmae", "did you mean name?"),
-            ("zzz", "the keys here are name, sensor, algorithm, hardware"),
+            ("zzz", "the keys here are name, sensor, algorithm, hardware, compensation"),
             ("sensor.gyros", "did you mean gyro?"),
             ("sensor.gyro.bit", "did you mean bits?"),
             ("sensor.accel.scale", "the keys here are bits, lsb"),

@@ -40,7 +40,7 @@ class Oddities:
     """
 
     def __init__(self, design: Design) -> None:
-        self._lsb = np.repeat([design.gyro_scale, design.accel_scale], 3)
+        self._lsb = np.repeat(design.count_scales, 3)
         self._long = max(FEWEST, round(LONG / design.major_interval))
         self._spikes = [_Spikes(), _Spikes()]
         self._repeats = [_Repeats(), _Repeats()]

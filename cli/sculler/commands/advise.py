@@ -131,7 +131,7 @@ def _plan(
             if there and wanted[name] is None:
                 wanted[name] = limit
     return Plan(
-        terminal.load_design(design_name),
+        terminal.load_bare_design(design_name),
         mount(asked),
         None if spectrum is None else spectrum_of(spectrum),
         manoeuvre=None if file is None else Profile.load(file),

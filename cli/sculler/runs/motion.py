@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import count
 from math import floor, radians
 from pathlib import Path
 from typing import Any
@@ -198,9 +199,9 @@ class Plan:
     @property
     def begin(self) -> float:
         """Time of the truth's first row, s: the first end of an interval from time 0 on."""
-        begin = interval_end(self.design, -1)
-        # a rate's first interval reaches before time 0
-        return interval_end(self.design, 0) if begin < 0 else begin
+        # a rate's first interval reaches before time 0, and so do some of aligned samples
+        ends = (interval_end(self.design, interval) for interval in count(-1))
+        return next(end for end in ends if end >= 0)
 
     @property
     def truth_rows(self) -> int:

@@ -5,18 +5,33 @@ from dataclasses import replace
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.plan.pipelined import plan_pipelined
 from sculler_model.design import Design
+from sculler_model.errors import InputError
 from sculler_model.golden import Timing
 
 LOOKING = 3
 """Clocks that a hardened pipelined core of two copies looks at a result before it shows it."""
 
 
+def require_no_compensation(design: Design) -> None:
+    """See that nothing stands before the core.
+
+    Raises:
+        InputError: something does.
+    """
+    if design.compensation is not None:
+        raise InputError(
+            "compensation: is built in the models and the host, not in hardware yet; leave the"
+            " table out"
+        )
+
+
 def timing(design: Design) -> Timing:
     """The clocks that the design's core takes; planned, not built.
 
     Raises:
-        InputError: `hardware.multipliers` are too few.
+        InputError: `hardware.multipliers` are too few, or the design has compensation.
     """
+    require_no_compensation(design)
     if design.hardware.core == "compact":
         return plan_compact(design).timing
     made = plan_pipelined(design).timing

@@ -17,7 +17,8 @@ from sculler_model.algorithms.catalogue import (
     Recipe,
     make,
 )
-from sculler_model.algorithms.decimals import rational
+from sculler_model.algorithms.decimals import pi_to, rational
+from sculler_model.algorithms.delay import fractional_delay
 from sculler_model.algorithms.dual_vectors import (
     DUAL_ZERO,
     Dual,
@@ -105,11 +106,13 @@ __all__ = [
     "filtered_rate",
     "first_manoeuvre_error",
     "fit",
+    "fractional_delay",
     "frequency_taylor",
     "high_resolution",
     "make",
     "manoeuvre_error",
     "newton_cotes",
+    "pi_to",
     "rational",
     "scrolling_weight",
     "scrolling_weights_total",

@@ -31,6 +31,11 @@ def pi() -> Decimal:
     return +_pi(getcontext().prec)
 
 
+def pi_to(digits: int) -> Fraction:
+    """A rational that differs from π by less than 10^(1 - digits)."""
+    return Fraction(_pi(digits))
+
+
 @lru_cache(maxsize=8)
 def _pi(digits: int) -> Decimal:
     with localcontext() as context:

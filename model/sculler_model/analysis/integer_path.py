@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.design import Design
+from sculler_model.errors import InputError
 from sculler_model.fast import FastModel, VectorBlock
 from sculler_model.frames import product
 from sculler_model.samples import Quantiser
@@ -50,8 +51,11 @@ def through_core(design: Design, samples: Array) -> VectorBlock:
         samples: (N, 6) as `Quantiser` takes them.
 
     Raises:
-        InputError: a sample does not fit the sensor's word.
+        InputError: a sample does not fit the sensor's word, or the design has compensation, which
+            studies of what is behind it know nothing of.
     """
+    if design.compensation is not None:
+        raise InputError("compensation: studies are of what is behind it, leave the table out")
     return FastModel(design).feed(Quantiser(design)(samples))
 
 

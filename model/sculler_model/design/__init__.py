@@ -6,6 +6,8 @@ It imports `algorithms`.
 """
 
 from sculler_model.design.bus import Bus
+from sculler_model.design.compensation import Compensation
+from sculler_model.design.compensation_plan import CompensationPlan, Term
 from sculler_model.design.design import Design
 from sculler_model.design.filters import at_another_rate
 from sculler_model.design.hardware import Hardware
@@ -41,7 +43,12 @@ from sculler_model.design.result import (
     columns_of,
 )
 from sculler_model.design.scales import scales_hash
-from sculler_model.design.sensor_errors import AxisErrors, Drawn, SensorErrors
+from sculler_model.design.sensor_errors import (
+    AxisErrors,
+    Drawn,
+    SensorErrors,
+    cannot_be_undone,
+)
 from sculler_model.design.word_lengths import (
     MAX_BITS,
     WordLengths,
@@ -72,6 +79,8 @@ __all__ = [
     "ZERO_RANGE",
     "AxisErrors",
     "Bus",
+    "Compensation",
+    "CompensationPlan",
     "Design",
     "Drawn",
     "DualRange",
@@ -80,8 +89,10 @@ __all__ = [
     "Interval",
     "Result",
     "SensorErrors",
+    "Term",
     "WordLengths",
     "at_another_rate",
+    "cannot_be_undone",
     "columns_of",
     "cross_range",
     "faults_of",

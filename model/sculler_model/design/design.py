@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
@@ -24,10 +25,13 @@ from sculler_model.design.algorithm import (
     sensor_response,
     tap_table_of,
 )
+from sculler_model.design.compensation import Compensation, compensated_sensor
+from sculler_model.design.compensation_plan import CompensationPlan
 from sculler_model.design.filters import with_measured_points
 from sculler_model.design.front import link_of
 from sculler_model.design.hardware import Hardware
 from sculler_model.design.history import reaches, short_samples
+from sculler_model.design.interval import Interval
 from sculler_model.design.names import name_fault
 from sculler_model.design.reading import faults_of, with_preset
 from sculler_model.design.result import (
@@ -59,6 +63,7 @@ class Design(Part):
         sensor: what the sensor delivers: kind, rate, widths and scales.
         algorithm: the high-rate algorithm: family, n samples, p of history, M minors.
         hardware: how it becomes gates.
+        compensation: known errors of the sensor that are taken out before the core; None for none.
 
     Examples:
         >>> import sculler
@@ -71,6 +76,7 @@ class Design(Part):
     sensor: Annotated[Sensor, Field(description="a table")]
     algorithm: Annotated[Algorithm, Field(description="a table")]
     hardware: Annotated[Hardware, Field(description="a table", validate_default=True)] = Hardware()
+    compensation: Annotated[Compensation | None, Field(description="a table")] = None
 
     @field_validator("name")
     @classmethod
@@ -114,6 +120,30 @@ class Design(Part):
             except ValueError as error:
                 raise ValueError(f"hardware.front.{error}") from error
         return hardware
+
+    @field_validator("compensation")
+    @classmethod
+    def _compensation_is_built(
+        cls, compensation: Compensation | None, info: ValidationInfo
+    ) -> Compensation | None:
+        sensor, algorithm, hardware = map(info.data.get, ("sensor", "algorithm", "hardware"))
+        if compensation is None or sensor is None or algorithm is None or hardware is None:
+            return compensation
+        for key, value in (
+            ("algorithm.order", algorithm.order),
+            ("algorithm.position", algorithm.position),
+            ("hardware.bus", hardware.bus),
+            ("hardware.front", hardware.front),
+            ("hardware.hardening", hardware.hardening),
+        ):
+            if value is not None:
+                raise ValueError(f"is not built for a design with {key}: leave one out")
+        try:
+            plan = compensation.plan(sensor)
+        except ValueError as error:
+            raise ValueError(f"compensation.{error}") from error
+        require_narrow(tap_table_of(sensor, algorithm), compensated_sensor(sensor, plan), algorithm)
+        return compensation
 
     @classmethod
     def load(cls, path: str | Path) -> Design:
@@ -208,7 +238,10 @@ class Design(Part):
 
     @cached_property
     def words(self) -> WordLengths:
-        """Worst-case range of every quantity the core holds."""
+        """Worst-case range of every quantity the core holds, and of the sensor's counts."""
+        if self.compensation is not None:
+            counts = [Interval.signed(axes.bits) for axes in (self.sensor.gyro, self.sensor.accel)]
+            return replace(self.inner.words, gyro=counts[0], accel=counts[1])
         return word_lengths(
             self.sensor.gyro.bits,
             self.sensor.accel.bits,
@@ -216,6 +249,28 @@ class Design(Part):
             self.table,
             self.high_resolution,
             self.order,
+        )
+
+    @cached_property
+    def compensation_plan(self) -> CompensationPlan | None:
+        """What stands before the core, in integers; None where nothing does."""
+        return None if self.compensation is None else self.compensation.plan(self.sensor)
+
+    @cached_property
+    def inner(self) -> Design:
+        """The design of the core behind the compensation: itself where there is none.
+
+        Its sensor's counts are the compensated samples: of more bits, and worth 1/D as much.
+        """
+        plan = self.compensation_plan
+        if plan is None:
+            return self
+        return Design.model_construct(
+            name=self.name,
+            sensor=compensated_sensor(self.sensor, plan),
+            algorithm=self.algorithm,
+            hardware=self.hardware,
+            compensation=None,
         )
 
     @property
@@ -283,7 +338,8 @@ class Design(Part):
 
         A result is of short history (status bit 0) where one of its samples does.
         """
-        return short_samples(self.table, self.high_resolution)
+        plan = self.compensation_plan
+        return short_samples(self.table, self.high_resolution, 0 if plan is None else plan.reach)
 
     @cached_property
     def short_majors(self) -> int:
@@ -310,16 +366,24 @@ class Design(Part):
         return self.samples_per_major / self.sensor.sample_rate_hz
 
     @property
+    def count_scales(self) -> tuple[float, float]:
+        """What a count of the sensor adds up to, rad and m/s (rate sensors: LSB * T)."""
+        step = 1.0 if self.sensor.kind == "increment" else self.sample_interval
+        return self.sensor.gyro.lsb * step, self.sensor.accel.lsb * step
+
+    @property
     def gyro_scale(self) -> float:
-        """g, rad per count of the products (rate sensors: LSB * T)."""
-        lsb = self.sensor.gyro.lsb
-        return lsb if self.sensor.kind == "increment" else lsb * self.sample_interval
+        """g, rad per count of the products: of the sensor's counts, or of compensated ones."""
+        return self.count_scales[0] / self._finer
 
     @property
     def accel_scale(self) -> float:
-        """a, m/s per count of the products (rate sensors: LSB * T)."""
-        lsb = self.sensor.accel.lsb
-        return lsb if self.sensor.kind == "increment" else lsb * self.sample_interval
+        """a, m/s per count of the products, as `gyro_scale`."""
+        return self.count_scales[1] / self._finer
+
+    @property
+    def _finer(self) -> int:
+        return 1 if self.compensation is None else self.compensation.denominator
 
     def as_json(self) -> dict[str, Any]:
         """The design as plain data, the form `parse` reads; JSON can hold it."""

@@ -28,12 +28,13 @@ def reaches(table: TapTable, high_resolution: bool) -> tuple[int, ...]:
     return tuple(furthest)
 
 
-def short_samples(table: TapTable, high_resolution: bool) -> tuple[bool, ...]:
+def short_samples(table: TapTable, high_resolution: bool, before: int = 0) -> tuple[bool, ...]:
     """For each sample t = 0, 1, ... from reset, whether it uses one before sample 0; later none.
 
     Args:
         table, high_resolution: as for `reaches`.
+        before: how many counts before its own a sample is made of, by compensation.
     """
     furthest = reaches(table, high_resolution)
-    count = max(table.history, int(high_resolution))
-    return tuple(furthest[t % table.samples] > t for t in range(count))
+    count = max(table.history, int(high_resolution)) + before
+    return tuple(furthest[t % table.samples] + before > t for t in range(count))

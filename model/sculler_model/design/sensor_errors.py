@@ -72,6 +72,9 @@ def _numbers(value: Any) -> bool:
     )
 
 
+RANDOM = ("markov", "markov_time_s", "flicker", "random_walk", "rate_random_walk", "range")
+"""Keys of `AxisErrors` that nobody can undo."""
+
 _SIZE = "a number from 0 to 1e9"
 _THREE = "a number, three numbers x, y, z, or {sigma = a number}"
 _SIX = "six numbers xy, xz, yx, yz, zx, zy, or {sigma = a number}"
@@ -176,3 +179,8 @@ class SensorErrors(Part):
         if self.accel.g_sensitivity is not None:
             raise ValueError("accel.g_sensitivity: only gyros have one, leave it out")
         return self
+
+
+def cannot_be_undone(key: str, value: object) -> bool:
+    """Whether what a key of `AxisErrors` says is random or a limit."""
+    return value is not None and (key in RANDOM or isinstance(value, Drawn))

@@ -3,7 +3,8 @@
 It takes arrays of counts of any length, checks them, keeps what later results need, shares blocks
 of whole major intervals out to threads and gives them their status.  A block is computed by
 `kernel`, compiled by Numba, where that is installed and there are samples enough to be worth its
-loading; else by `arithmetic` in numpy: the same integers, more slowly.
+loading; else by `arithmetic` in numpy: the same integers, more slowly.  Compensated samples
+(`compensation`) are too wide for the kernel, whose counts fit 32 bits.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from sculler_model.design import STATUS_FAULT, STATUS_RAIL, STATUS_SHORT_HISTORY
 from sculler_model.errors import InputError
 from sculler_model.fast.arithmetic import BLOCK, FEW_MINORS, Arithmetic, Counts
 from sculler_model.fast.blocks import VectorBlock
+from sculler_model.fast.compensation import FastCompensator, Marks
 from sculler_model.fast.wide import Integers, from_limbs, limbs_of
 from sculler_model.golden import check_widths
 
@@ -81,7 +83,7 @@ class FastModel:
         samples: samples accepted since reset.
 
     Raises:
-        InputError: `compiled` is asked for without Numba.
+        InputError: `compiled` is asked for without Numba, or of a design with compensation.
     """
 
     def __init__(
@@ -96,13 +98,15 @@ class FastModel:
     ) -> None:
         self.design = design
         self._block = max(block // design.samples_per_major, 1)
-        self._arithmetics = [Arithmetic(design, block, few_minors) for _ in range(threads)]
+        self._arithmetics = [Arithmetic(design.inner, block, few_minors) for _ in range(threads)]
         self._arithmetic = self._arithmetics[0]
         self._threads = threads
         self._compiled = compiled
         self._kernel: Kernel | None = None
         self._taken = 0  # samples, whether or not reset
         self._expected = expected
+        if compiled and design.compensation is not None:
+            raise InputError("the compiled model has no compensation: leave it to numpy")
         if compiled:
             kernel = kernel_class()
             if kernel is None:
@@ -115,7 +119,11 @@ class FastModel:
         self.samples = 0
         # What later results still need: the history, then the incomplete major interval.
         self._kept: list[Counts] = [np.zeros((self._arithmetic.history, 6), np.int64)]
-        self._faulty: NDArray[np.int64] = np.zeros(0, np.int64)  # samples that carried `fault`
+        # samples that carried `fault`; and, where they are compensated, that counts at rails are in
+        self._faulty: Marks = np.zeros(0, np.int64)
+        self._railed: Marks = np.zeros(0, np.int64)
+        plan = self.design.compensation_plan
+        self._compensator = None if plan is None else FastCompensator(plan)
 
     @property
     def leftover(self) -> int:
@@ -125,7 +133,8 @@ class FastModel:
     @property
     def lacks_numba(self) -> bool:
         """Whether there were samples enough to be compiled for, but Numba is missing."""
-        return self._taken >= self._worth_compiling and kernel_class() is None
+        worth = self._compensator is None and self._taken >= self._worth_compiling
+        return worth and kernel_class() is None
 
     @property
     def _worth_compiling(self) -> int:
@@ -147,13 +156,20 @@ class FastModel:
         """
         counts = _as_counts(counts)
         faulty = self.samples + np.flatnonzero(_as_faults(faults, len(counts)))
+        railed = self._railed
+        if self._compensator is not None and len(counts):
+            self._check_widths(counts, self.samples)
+            newly = self.samples + np.flatnonzero(self._with_rail(counts))
+            railed = np.concatenate([railed, self._compensator.spread(newly)])
+            faulty = self._compensator.spread(faulty)
+            counts = self._compensator(counts)
         faulty = np.concatenate([self._faulty, faulty])
         span = self.design.samples_per_major
         first_major, majors = self.samples // span, (self.leftover + len(counts)) // span
         if majors == 0:
-            self._check_widths(counts, self.samples)
+            self._check_unless_made(counts, self.samples)
             self._kept.append(counts.copy())
-            self._faulty = faulty
+            self._faulty, self._railed = faulty, railed
             self.samples += len(counts)
             return VectorBlock.from_rows([], self.design)
 
@@ -166,10 +182,14 @@ class FastModel:
         major = np.arange(first_major, first_major + majors, dtype=np.int64)
         status = np.where(major < self.design.short_majors, STATUS_SHORT_HISTORY, 0)
         status[rails] |= STATUS_RAIL
-        complete = faulty < (first_major + majors) * span
-        status[faulty[complete] // span - first_major] |= STATUS_FAULT
+        left = []
+        for marked, bit in ((faulty, STATUS_FAULT), (railed, STATUS_RAIL)):
+            complete = marked < (first_major + majors) * span
+            status[marked[complete] // span - first_major] |= bit
+            left.append(marked[~complete])
 
-        self._kept, self._faulty = [still_needed], faulty[~complete]
+        self._kept = [still_needed]
+        self._faulty, self._railed = left
         self.samples += len(counts)
         self._taken += len(counts)
         return VectorBlock(major, status, components)
@@ -191,13 +211,16 @@ class FastModel:
         """
         counts = _as_counts(counts)
         marks = None if faults is None else _as_faults(faults, len(counts))
-        before = (self.samples, [*self._kept], self._faulty, self._taken)
+        before = (self.samples, [*self._kept], self._faulty, self._railed, self._taken)
+        kept = None if self._compensator is None else self._compensator.kept
         try:
             for start in range(0, max(len(counts), 1), size):
                 part = slice(start, start + size)
                 yield self.feed(counts[part], None if marks is None else marks[part])
         except InputError:
-            self.samples, self._kept, self._faulty, self._taken = before
+            self.samples, self._kept, self._faulty, self._railed, self._taken = before
+            if self._compensator is not None and kept is not None:
+                self._compensator.kept = kept
             raise
 
     def _computed(self, rows: _Rows, majors: int) -> tuple[Integers, NDArray[np.bool_]]:
@@ -261,7 +284,8 @@ class FastModel:
                 results[first:last] = limbs_of(arithmetic.components(block))
             finally:
                 idle.put(arithmetic)
-            rails[first:last] = self._at_rail(block[history:])
+            made = self._compensator is not None  # then `feed` knows
+            rails[first:last] = False if made else self._at_rail(block[history:])
 
         majors = len(results)
         _share(compute, [*range(0, majors, self._arithmetic.majors), majors], self._threads)
@@ -269,6 +293,7 @@ class FastModel:
     def _kernel_if_worth(self, rows: _Rows) -> Kernel | None:
         """The kernel, if Numba is there and with these samples there are enough."""
         worth = max(self._taken + len(rows.counts), self._expected) >= self._worth_compiling
+        worth = worth and self._compensator is None
         if self._kernel is None and self._compiled is None and worth:
             kernel = kernel_class()
             self._kernel = None if kernel is None else kernel(self.design)
@@ -278,7 +303,12 @@ class FastModel:
         """See that rows start..stop-1 fit their widths; what was kept has been seen to."""
         first = max(start - len(rows.kept), 0)
         new = rows.counts[first : max(stop - len(rows.kept), 0)]
-        self._check_widths(new, self.samples + first)
+        self._check_unless_made(new, self.samples + first)
+
+    def _check_unless_made(self, counts: Counts, first: int) -> None:
+        """`_check_widths`, unless they are compensated samples, whose counts have been seen to."""
+        if self._compensator is None:
+            self._check_widths(counts, first)
 
     def _check_widths(self, counts: Counts, first: int) -> None:
         """See that all counts, the first of which belong to sample `first`, fit the sensors."""
@@ -295,14 +325,19 @@ class FastModel:
 
     def _at_rail(self, rows: Counts) -> NDArray[np.bool_]:
         """For each of whole major intervals, whether a count of it is at an end of its width."""
-        words, span = self.design.words, self.design.samples_per_major
+        found, span = self._with_rail(rows), self.design.samples_per_major
+        each: NDArray[np.bool_] = np.logical_or.reduce(found.reshape(-1, span), axis=1)
+        return each
+
+    def _with_rail(self, rows: Counts) -> NDArray[np.bool_]:
+        """For each sample, whether a count of it is at an end of its width."""
+        words = self.design.words
         found = np.zeros(len(rows), np.bool_)
         for extreme, end in ((np.minimum, "lo"), (np.maximum, "hi")):
             for column, count in enumerate(_column_extremes(rows, extreme)):
                 if count == getattr(words.gyro if column < 3 else words.accel, end):
                     found |= rows[:, column] == count
-        each: NDArray[np.bool_] = np.logical_or.reduce(found.reshape(-1, span), axis=1)
-        return each
+        return found
 
 
 @cache

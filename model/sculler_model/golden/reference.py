@@ -35,6 +35,7 @@ from sculler_model.design import (
     WordLengths,
 )
 from sculler_model.errors import InputError
+from sculler_model.golden.compensation import Compensator
 
 Sample = tuple[Vec, Vec, int]
 """One six-axis reading: gyro counts, accelerometer counts, fault flag (0 or 1)."""
@@ -90,8 +91,10 @@ class GoldenModel:
     def reset(self) -> None:
         """Forget everything: the next sample is the first, the next major interval is 0."""
         self.t = 0  # running number of the next sample
-        self.s: list[Vec] = []  # gyro counts, newest last
+        self.s: list[Vec] = []  # gyro counts, or compensated ones, newest last
         self.r: list[Vec] = []  # accelerometer counts, newest last
+        plan = self.design.compensation_plan
+        self.compensator = None if plan is None else Compensator(plan)
         self.position = HighResolution() if self.design.high_resolution else None
         self.higher = None
         if self.design.order > 2:
@@ -139,11 +142,14 @@ class GoldenModel:
         accel = whole_numbers(f"sample {self.t}: accel", accel)
         table, words = self.design.table, self.design.words
         check_widths(words, self.t, (*gyro, *accel))
+        rail = at_rail(gyro, words.gyro) or at_rail(accel, words.accel)
+        if self.compensator is not None:
+            gyro, accel, fault, rail = self.compensator.step(gyro, accel, fault, rail)
         self.s.append(gyro)
         self.r.append(accel)
         if fault:
             self.status |= STATUS_FAULT
-        if at_rail(gyro, words.gyro) or at_rail(accel, words.accel):
+        if rail:
             self.status |= STATUS_RAIL
         if any(self.design.short_samples[self.t : self.t + 1]):
             self.status |= STATUS_SHORT_HISTORY

@@ -13,14 +13,11 @@ from math import ceil, floor, radians
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.design import AxisErrors, Design, Drawn, SensorErrors
+from sculler_model.design import AxisErrors, Design, Drawn, SensorErrors, cannot_be_undone
 from sculler_model.errors import InputError
 from sculler_model.frames import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
-
-RANDOM = ("markov", "markov_time_s", "flicker", "random_walk", "rate_random_walk", "range")
-"""Keys of `AxisErrors` that nobody can undo."""
 
 _TAPS = 6  # samples that an interpolated one is made of
 _EDGE = 3  # samples on either side that a rate at a boundary is made of
@@ -81,7 +78,7 @@ class Calibration:
         for name, axes in (("gyro", errors.gyro), ("accel", errors.accel)):
             for key in type(axes).model_fields:
                 value = getattr(axes, key)
-                if value is not None and (key in RANDOM or isinstance(value, Drawn)):
+                if cannot_be_undone(key, value):
                     raise InputError(
                         f"{name}.{key}: is random or a limit, so it cannot be undone, leave it out"
                         " or give numbers"

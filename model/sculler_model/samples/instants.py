@@ -16,7 +16,9 @@ there the interval ends half a sample after the last stamp.
                           t0 + ((i+1) n M - 1) h        rates, Newton-Cotes weights
                           t0 + ((i+1) n M - 1/2) h      rates, plain sums
 
-A filter in the sensor delays what it senses; that belongs to the stamps and is not in here.
+Compensation that aligns accelerometers with gyros works on samples of before: an interval then ends
+`CompensationPlan.delay` samples earlier than that.  A filter in the sensor delays what it senses;
+that belongs to the stamps and is not in here.
 """
 
 from __future__ import annotations
@@ -83,4 +85,6 @@ def _end_after_stamp(design: Design) -> Fraction:
     centre = Fraction(moment, total) if total else Fraction(n - 1, 2)
     # an increment stands for the middle of its step, half a sample before its stamp
     middle = Fraction(-1, 2) if design.sensor.kind == "increment" else Fraction(0)
-    return middle - centre + Fraction(n, 2)
+    plan = design.compensation_plan
+    behind = 0 if plan is None else plan.delay
+    return middle - centre + Fraction(n, 2) - behind

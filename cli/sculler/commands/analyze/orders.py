@@ -74,7 +74,7 @@ def command(design_name: str, as_json: bool, **asked: Any) -> None:
     """
     from sculler.runs.analysis import OrdersPlan, orders_study
 
-    plan = OrdersPlan(terminal.load_design(design_name), design_name, **asked)
+    plan = OrdersPlan(terminal.load_bare_design(design_name), design_name, **asked)
     with terminal.progress("running", 3 * len(plan.minors)) as advance:
         data = orders_study(plan, advance=advance)
     told = options.filtered_told(plan.design)

@@ -91,7 +91,7 @@ def command(design_name: str, as_json: bool, **asked: Any) -> None:
     """
     from sculler.runs.analysis import ThirdOrderPlan, third_order_study
 
-    plan = ThirdOrderPlan(terminal.load_design(design_name), design_name, **asked)
+    plan = ThirdOrderPlan(terminal.load_bare_design(design_name), design_name, **asked)
     with terminal.progress("running", len(plan.minors)) as advance:
         data = third_order_study(plan, advance=advance)
     told = options.filtered_told(plan.design)

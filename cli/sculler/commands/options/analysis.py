@@ -214,7 +214,7 @@ def subjects(options: Mapping[str, Any]) -> dict[str, Subject]:
     require_band(families, options["band"])
     found = {}
     for name in designs:
-        design = terminal.load_design(name)
+        design = terminal.load_bare_design(name)
         found[design.name] = Subject(design, False)
     for family, n, p in product(families, samples, options["history"] or (0,)):
         found[f"{family} n={n}" + (f" p={p}" if p else "")] = of_family(

@@ -98,7 +98,7 @@ class Checkpoints:
     def __init__(self, campaign: Campaign, design: Design, samples: int) -> None:
         self.first = design.short_majors
         last = samples // design.samples_per_major
-        if interval_end(design, self.first - 1) < 0:  # the first interval of rates
+        while interval_end(design, self.first - 1) < 0:  # the first intervals of rates
             self.first += 1
         if last <= self.first:
             raise InputError(
