@@ -235,7 +235,7 @@ def designs(
     family = draw(st.sampled_from(["frequency-taylor", "filtered-rate", "table"]))
     if family != "table":
         least = 1 if (family, n) == ("frequency-taylor", 1) else 0
-        p = draw(st.integers(least, n))
+        p = draw(st.integers(least, n) | st.integers(least, 16))
         kind = "rate" if family == "filtered-rate" else "increment"
         return make_design("any", n, p, minors, widths, family, kind)
     tap = st.integers(-(1 << 20), 1 << 20) | st.integers(-3, 3)

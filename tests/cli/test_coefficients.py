@@ -77,7 +77,7 @@ def test_json_is_what_a_design_reads(run: Run, tmp_path: Path) -> None:
         (("--family", "frequency-taylor", "--samples", "four"), "'four' is not a valid integer"),
         (("--family", "frequency-taylor", "--samples", 17), "17 is not allowed, give 1 to 16"),
         (("--family", "frequency-taylor", "--samples", 1), "--samples 2 or --history 1"),
-        (("--family", "filtered-rate", "--samples", 2, "--history", 3), "give 0 to --samples = 2"),
+        (("--family", "filtered-rate", "--samples", 2, "--history", 17), "give 0 to 16"),
         (("--design", "stim300", "--samples", 4), "not both"),
         (("--design", "absent.toml"), "absent.toml: no such design file"),
         (("--order", 4), "--order"),

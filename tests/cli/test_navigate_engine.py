@@ -144,6 +144,10 @@ def test_what_the_host_in_c_cannot_do_is_refused(
     words = ("navigate", toml, vectors, "-o", tmp_path / "n.csv", *PLACE, "--engine", "c")
     said = refused(*words, "--mechanisation", "geographic")
     assert "--engine c has the wander azimuth only, leave out --mechanisation" in said
+    for other in ("--azimuth free", "--attitude cosines", "--level-every 2"):
+        said = refused(*words, *other.split())
+        assert "--azimuth, --attitude and --level-every and --rotation are for the engine" in said
+    assert "leave them out" in refused(*words, "--rotation", "first-order")
 
     monkeypatch.setenv("CC", "no-such-compiler")
     assert "the engine c needs a C compiler (no-such-compiler), not found" in refused(*words)

@@ -321,9 +321,10 @@ class TestOneFault:
                 ("algorithm.minors", value, "a whole number from 1 to 4096")
                 for value in (0, 4097, -5, 5.0)
             ),
-            ("algorithm.history", -1, "a whole number from 0 to samples"),
-            ("algorithm.history", 5, "a whole number from 0 to samples = 4"),
-            ("algorithm.history", 1.0, "a whole number from 0 to samples"),
+            *(
+                ("algorithm.history", value, "a whole number from 0 to 16")
+                for value in (-1, 17, 1.0)
+            ),
             ("algorithm.family", "taylor", '"frequency-taylor", "filtered-rate"'),
             ("hardware.core", "tiny", '"pipelined"'),
             ("sensor", [1], "a table"),

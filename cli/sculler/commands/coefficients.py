@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     "--history",
     type=int,
     metavar="P",
-    help="Samples of the previous interval, 0 to N; 0 if left out.",
+    help="Samples before the interval, 0 to 16; 0 if left out.",
 )
 @click.option("--design", "design_name", metavar="DESIGN", help="Take them from a design instead.")
 @terminal.json_option

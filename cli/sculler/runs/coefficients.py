@@ -56,7 +56,7 @@ def of_family(family: str, samples: int, history: int = 0) -> Outcome:
     Args:
         family: one of `TABLES`.
         samples: n, of a minor interval, 1 to `MAX_SAMPLES`.
-        history: p, of the interval before, 0 to n.
+        history: p, before that, 0 to `MAX_SAMPLES`.
 
     Raises:
         InputError: there is no such table.
@@ -70,8 +70,8 @@ def of_family(family: str, samples: int, history: int = 0) -> Outcome:
         raise InputError(f"--family: {family!r} is not known, give {known} or a --design")
     if not 1 <= samples <= MAX_SAMPLES:
         raise InputError(f"--samples: {samples} is not allowed, give 1 to {MAX_SAMPLES}")
-    if not 0 <= history <= samples:
-        raise InputError(f"--history: {history} is not allowed, give 0 to --samples = {samples}")
+    if not 0 <= history <= MAX_SAMPLES:
+        raise InputError(f"--history: {history} is not allowed, give 0 to {MAX_SAMPLES}")
     if family != "filtered-rate" and samples + history < 2:
         raise InputError(
             f"--samples: 1 sample without history gives no cross product for {family}, give"

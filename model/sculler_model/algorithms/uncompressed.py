@@ -58,7 +58,7 @@ def uncompress(
 
     Args:
         sums: K_1..K_(n+p-1).
-        samples, history: n and p; pairs reach p samples into the previous interval.
+        samples, history: n and p; pairs reach p samples back, before the interval.
         inverse_power: series of 1/|F|² if the table is tuned to a filter F (see `true_term`).
 
     Raises:

@@ -47,7 +47,7 @@ class Algorithm(Part):
 
     Attributes:
         samples: n, of a minor interval.
-        history: p, samples of the previous minor interval that the coefficients may use.
+        history: p, samples before the minor interval that the coefficients may use.
         minors: M, minor intervals in a major one.
         family: where the tap table comes from, one of `FAMILIES` or "table".
         table: the user's own, with family = "table".
@@ -70,7 +70,9 @@ class Algorithm(Part):
     samples: Annotated[
         int, Field(ge=1, le=MAX_SAMPLES, description=f"a whole number from 1 to {MAX_SAMPLES}")
     ]
-    history: Annotated[int, Field(ge=0, description="a whole number from 0 to samples")] = 0
+    history: Annotated[
+        int, Field(ge=0, le=MAX_SAMPLES, description=f"a whole number from 0 to {MAX_SAMPLES}")
+    ] = 0
     minors: Annotated[int, Field(ge=1, le=4096, description="a whole number from 1 to 4096")]
     family: Annotated[
         Literal[
@@ -112,16 +114,6 @@ class Algorithm(Part):
     ] = None
 
     order: Annotated[Literal[2, 3, 4] | None, Field(description="2, 3 or 4")] = None
-
-    @field_validator("history")
-    @classmethod
-    def _history_in_samples(cls, history: int, info: ValidationInfo) -> int:
-        samples = info.data.get("samples")
-        if samples is not None and history > samples:
-            raise ValueError(
-                f"{history} is not allowed, give a whole number from 0 to samples = {samples}"
-            )
-        return history
 
     @field_validator("family")
     @classmethod

@@ -36,7 +36,7 @@ subject_options = group(
         type=click.IntRange(0),
         multiple=True,
         metavar="P",
-        help="Samples of the previous interval of the families; repeatable, 0 if left out.",
+        help="Samples before the interval of the families; repeatable, 0 if left out.",
     ),
     click.option(
         "--minors",
