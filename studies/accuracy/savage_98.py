@@ -76,9 +76,10 @@ def savage_98() -> Section:
         " the paper's four figures come out nearer still; that is likely what it used. The"
         " difference is small, for the back-reaction is of second order in the imbalance.",
         "**In place of Eq. 61.** The paper names two forms beside it. The third-order one, of a"
-        " parabola through three samples, is exact for smoother manoeuvres ([families](families.md#parabola)), but it"
-        " leaves more of a vibration than straight lines do. A core forms products with the present"
-        " sample alone; the paper's third product, of two past ones, is small. Two taps that are"
+        " parabola through three samples, is exact for smoother manoeuvres"
+        " ([families](families.md#parabola)), but it leaves more of a vibration than straight lines"
+        " do. A core forms products with the present sample alone; the paper's third product, of"
+        " two past ones, is small. Two taps that are"
         f" matched to vibration leave {number(error / best)} times less than Eq. 61.",
         f"**What does not.** The stated spectrum has {number(response.input_rms / G, 3)} g rms, not"
         f" 7.6. The response is {number(100 * (1 - response.force_rms / G / 3.6))} % low; a mode"
