@@ -6,7 +6,7 @@ from sculler_hdl.compact.core import CompactCore
 from sculler_hdl.hardened.compact import HardenedCompactCore
 from sculler_hdl.hardened.pipelined import HardenedPipelinedCore
 from sculler_hdl.pipelined.core import PipelinedCore
-from sculler_hdl.plan.timing import require_no_compensation
+from sculler_hdl.plan.timing import require_no_compensation, require_one_channel
 from sculler_model.design import Design
 
 Core = CompactCore | PipelinedCore | HardenedCompactCore | HardenedPipelinedCore
@@ -24,6 +24,7 @@ def build_core(design: Design, *, primitive: bool = True) -> Core:
         InputError: `hardware.multipliers` are too few, or the design has compensation.
     """
     require_no_compensation(design)
+    require_one_channel(design)
     if design.hardware.hardening is not None:
         compact = design.hardware.core == "compact"
         made = HardenedCompactCore if compact else HardenedPipelinedCore

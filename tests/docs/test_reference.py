@@ -34,11 +34,11 @@ def first_column(page: str, after: str = "") -> list[str]:
 @pytest.mark.parametrize(
     ("page", "columns", "besides"),
     [
-        ("imu-log.md", [*log.COUNTS, *log.OPTIONAL], []),
+        ("imu-log.md", [*log.COUNTS, *log.OPTIONAL, *log.OF_CHANNELS], []),
         (
             "vectors.md",
             [*HIGH_RESOLUTION_COLUMNS, *FOURTH_ORDER_COLUMNS[len(COLUMNS) :]],
-            ["time_s"],
+            ["channel", "time_s"],
         ),
         ("navigation-output.md", [*history.HEADER.split(","), history.WANDER], []),
         ("truth-files.md", sorted(truth_columns.KNOWN), []),

@@ -186,13 +186,13 @@ class BreakFinder:
         for each in breaks:
             self._note(each)
             if each.sample > self._given:
-                yield _part(whole, self._given - begin, each.sample - begin)
+                yield whole.part(slice(self._given - begin, each.sample - begin))
             self._given = each.sample
             yield each
         if decided > self._given:
-            yield _part(whole, self._given - begin, decided - begin)
+            yield whole.part(slice(self._given - begin, decided - begin))
             self._given = decided
-        rest = _part(whole, self._given - begin, len(whole.counts))
+        rest = whole.part(slice(self._given - begin, None))
         self._waiting = [rest] if len(rest.counts) else []
 
     def _note(self, each: Break) -> None:
@@ -244,13 +244,3 @@ def _joined(chunks: list[Chunk]) -> Chunk:
     counts, *others = zip(*chunks, strict=True)
     joined = [None if column[0] is None else np.concatenate(column) for column in others]
     return Chunk(np.concatenate(counts), *joined)
-
-
-def _part(chunk: Chunk, begin: int, end: int) -> Chunk:
-    _, faults, times, sequence = chunk
-    return Chunk(
-        chunk.counts[begin:end],
-        None if faults is None else faults[begin:end],
-        None if times is None else times[begin:end],
-        None if sequence is None else sequence[begin:end],
-    )

@@ -77,7 +77,7 @@ class Stretches:
         for first, end in pairwise(cuts):
             if away[first]:
                 yield _break(design, line + first, majors[first:], before[first:], block)
-            yield _rows(whole, slice(first, end))
+            yield whole[first:end]
 
 
 def stretches(design: Design, blocks: Iterable[VectorBlock]) -> Iterator[VectorBlock | Break]:
@@ -109,8 +109,3 @@ def _break(
         return Break(line, what, seconds)
     what = f"major falls back from {last} to {major}, the core was reset"
     return Break(line, what, seconds if told else None)
-
-
-def _rows(block: VectorBlock, part: slice) -> VectorBlock:
-    times = None if block.times is None else block.times[part]
-    return VectorBlock(block.major[part], block.status[part], block.components[part], times)

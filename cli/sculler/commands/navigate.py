@@ -38,6 +38,12 @@ if TYPE_CHECKING:
 @options.attitude_options
 @options.carrier_options
 @click.option(
+    "--channel",
+    type=click.IntRange(min=0),
+    metavar="K",
+    help="Take channel K of the vectors of many channels.",
+)
+@click.option(
     "--truth",
     type=terminal.InputFile(Path),
     metavar="FILE",

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.formats.vectors import TIME, open_vectors, rows_of
+from sculler.formats.vectors import CHANNEL, TIME, open_vectors
 from sculler_model.errors import InputError
 from sculler_model.fast import Integers, VectorBlock, as_integers, limbs_of
 
@@ -68,6 +68,11 @@ def compare(first: str | Path, second: str | Path) -> Difference | None:
                 f"{second}: {len(other.columns)} columns for {len(one.columns)} of {first}, give"
                 " vectors of one design"
             )
+        if one.channels != other.channels:
+            named, bare = (first, second) if one.channels else (second, first)
+            raise InputError(
+                f"{bare}: no column {CHANNEL}, which {named} has, give vectors of one design"
+            )
         row = 0
         for ours, theirs in _together(one.blocks(), other.blocks()):
             found = difference(ours, theirs, row)
@@ -84,23 +89,26 @@ def _together(
     ours, theirs = next(one, None), next(other, None)
     while ours is not None and theirs is not None:
         rows = min(len(ours), len(theirs))
-        yield rows_of(ours, slice(rows)), rows_of(theirs, slice(rows))
-        ours = rows_of(ours, slice(rows, None)) if rows < len(ours) else next(one, None)
-        theirs = rows_of(theirs, slice(rows, None)) if rows < len(theirs) else next(other, None)
+        yield ours[:rows], theirs[:rows]
+        ours = ours[rows:] if rows < len(ours) else next(one, None)
+        theirs = theirs[rows:] if rows < len(theirs) else next(other, None)
     there = ours or theirs
     if there is not None:
-        nothing = rows_of(there, slice(0))
+        nothing = there[:0]
         yield (nothing, there) if ours is None else (there, nothing)
 
 
 def difference(one: VectorBlock, other: VectorBlock, first: int = 0) -> Difference | None:
     """First difference of two blocks of the same columns; `first` is the number of their row."""
     rows = min(len(one), len(other))
-    ours, theirs = rows_of(one, slice(rows)), rows_of(other, slice(rows))
+    ours, theirs = one[:rows], other[:rows]
     a, b = _same_limbs(ours.components, theirs.components)
     unequal = [ours.major != theirs.major, ours.status != theirs.status]
     unequal += list((a != b).any(axis=2).T)
     names = list(one.columns)
+    if ours.channels is not None and theirs.channels is not None:
+        unequal.append(ours.channels != theirs.channels)
+        names.append(CHANNEL)
     if ours.times is not None and theirs.times is not None:
         unequal.append(ours.times != theirs.times)
         names.append(TIME)
@@ -108,7 +116,7 @@ def difference(one: VectorBlock, other: VectorBlock, first: int = 0) -> Differen
     if some.any():
         row = int(np.argmax(some))
         column = next(place for place, each in enumerate(unequal) if each[row])
-        left, right = (_cell(block, row, column) for block in (ours, theirs))
+        left, right = (_cell(block, row, names[column]) for block in (ours, theirs))
         return Difference(first + row, int(ours.major[row]), names[column], left, right)
     if len(one) == len(other):
         return None
@@ -124,10 +132,12 @@ def _same_limbs(one: Integers, other: Integers) -> tuple[NDArray[np.int64], NDAr
     return limbs_of(as_integers(one, words)), limbs_of(as_integers(other, words))
 
 
-def _cell(block: VectorBlock, row: int, column: int) -> int | float:
-    """A value of a block, its columns numbered as they are written."""
-    values = next(rows_of(block, slice(row, row + 1)).rows())
-    if column < len(values):
-        return values[column]
-    assert block.times is not None
-    return float(block.times[row])
+def _cell(block: VectorBlock, row: int, column: str) -> int | float:
+    """A value of a block, by the name of its column."""
+    if column == TIME:
+        assert block.times is not None
+        return float(block.times[row])
+    if column == CHANNEL:
+        assert block.channels is not None
+        return int(block.channels[row])
+    return next(block[row : row + 1].rows())[block.columns.index(column)]

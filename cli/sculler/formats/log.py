@@ -2,7 +2,10 @@
 
 The columns are `gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z`, in any order, and optionally `fault`
 (0 or 1), `time_s` (the stamp, decimal seconds of the log's own clock) and `sequence` (a whole
-number that counts samples).  The ending of the file's name says what it is: `.npz`, `.parquet`, and
+number that counts samples).  The log of a design with many channels has `channel` too, and
+optionally `restart` (1: the channel begins anew), and no `sequence`.
+
+The ending of the file's name says what it is: `.npz`, `.parquet`, and
 CSV for all others.  Reading streams in bounded memory.
 
 The stamp of an increment is the end of its step, that of a rate the instant it holds at.
@@ -17,7 +20,16 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.formats.log_columns import COUNTS, FAULT, HEADER, OPTIONAL, SEQUENCE, TIME, Chunk
+from sculler.formats.log_columns import (
+    COUNTS,
+    FAULT,
+    HEADER,
+    OF_CHANNELS,
+    OPTIONAL,
+    SEQUENCE,
+    TIME,
+    Chunk,
+)
 from sculler.formats.log_table import LogTableWriter, read_log_table
 from sculler.formats.log_text import TextLogWriter, read_text_log
 from sculler.formats.tables import table_kind
@@ -28,6 +40,7 @@ __all__ = [
     "COUNTS",
     "FAULT",
     "HEADER",
+    "OF_CHANNELS",
     "OPTIONAL",
     "SEQUENCE",
     "TIME",
@@ -38,7 +51,11 @@ __all__ = [
 
 
 def read_log(
-    path: str | Path, design: Design | None, advance: Callable[[int], None] | None = None
+    path: str | Path,
+    design: Design | None,
+    advance: Callable[[int], None] | None = None,
+    *,
+    channels: bool = False,
 ) -> Iterator[Chunk]:
     """Stream a log's samples, checked against the sensor's widths.
 
@@ -46,6 +63,7 @@ def read_log(
         path: the log, `.npz`, `.parquet` or CSV; `-` for CSV from stdin.
         design: its `sensor` gives the widths; None for counts of up to 64 bits.
         advance: told the bytes read, block by block.
+        channels: whether whoever reads it looks at the channels of its samples.
 
     Yields:
         The samples, each value checked by itself; whether stamps and counter run on is another
@@ -53,8 +71,13 @@ def read_log(
 
     Raises:
         InputError: the log cannot be read or has a fault; names file, line (of a binary file the
-            row, from 1) and column.
+            row, from 1) and column.  Or the design has channels, which nobody would look at.
     """
+    if design is not None and design.channels > 1 and not channels:
+        raise InputError(
+            f"{path}: a log of {design.channels} channels is read by model and simulate alone,"
+            " give one channel's log and a design without hardware.channels"
+        )
     try:
         read = read_text_log if table_kind(path) is None else read_log_table
         yield from read(path, design, advance)

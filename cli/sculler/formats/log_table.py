@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from sculler.formats.lines import ahead
 from sculler.formats.log_columns import (
+    CHANNEL,
     COUNTS,
     FAULT,
     MOST_SECONDS,
+    RESTART,
     SEQUENCE,
     TIME,
     Chunk,
@@ -45,7 +47,7 @@ def read_log_table(
         InputError: it cannot be read or has a fault; names file, row and column.
     """
     with open_table(path, "log") as table:
-        require_columns(str(path), list(table.names))
+        require_columns(str(path), list(table.names), 1 if design is None else design.channels)
         yield from ahead(_chunks(path, table, _Rows(path, ranges(design)), advance))
 
 
@@ -86,11 +88,16 @@ class _Rows:
             if late.any():
                 row = int(np.argmax(late))
                 raise too_late(f"{self._path}: row {first + row}: {TIME}", float(times[row]))
-        return Chunk(counts, faults, times, sequence)
+        channels = restarts = None
+        if CHANNEL in block:
+            channels = self._whole(CHANNEL, block[CHANNEL], first)
+        if RESTART in block:
+            restarts = self._whole(RESTART, block[RESTART], first).astype(np.uint8)
+        return Chunk(counts, faults, times, sequence, channels, restarts)
 
     def _whole(self, column: str, given: NDArray[Any], first: int) -> NDArray[np.int64]:
         """A column's whole numbers, each in its range."""
-        if column == FAULT and given.dtype.kind == "b":
+        if column in (FAULT, RESTART) and given.dtype.kind == "b":
             return given.astype(np.int64)
         numbers, allowed = whole(self._path, column, given, first), self._allowed[column]
         if numbers.min() < allowed.lo or numbers.max() > allowed.hi:

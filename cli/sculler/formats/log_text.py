@@ -24,11 +24,14 @@ from sculler.formats.compiled.scanning import FAULT as FAULT_KIND
 from sculler.formats.compiled.scanning import SEQUENCE as SEQUENCE_KIND
 from sculler.formats.compiled.scanning import TIME as TIME_KIND
 from sculler.formats.log_columns import (
+    CHANNEL,
     COUNTS,
     FAULT,
     HEADER,
     MOST_SECONDS,
+    OF_CHANNELS,
     OPTIONAL,
+    RESTART,
     SEQUENCE,
     TIME,
     Chunk,
@@ -75,6 +78,7 @@ class _Layout:
 
     def __init__(self, name: str, design: Design | None) -> None:
         self.name = name
+        self.channels = 1 if design is None else design.channels
         self.allowed = ranges(design)
         self.columns: list[str] = []
 
@@ -86,18 +90,22 @@ class _Layout:
         names = [column.strip() for column in text.split(",")]
         if not text.strip():
             raise InputError(f"{self.name}: the log is empty, give the header {HEADER} and samples")
-        require_columns(f"{self.name}: line 1", names)
+        require_columns(f"{self.name}: line 1", names, self.channels)
         self.columns = names
         self.order = [names.index(column) for column in COUNTS]
         self.in_order = self.order == list(range(len(COUNTS)))
         self.fault, self.time, self.sequence = (
             names.index(column) if column in names else None for column in OPTIONAL
         )
+        self.of_channels = {c: names.index(c) for c in OF_CHANNELS if c in names}
+        if self.of_channels:  # read without compiled loops
+            return
         places = {column: place for place, column in enumerate(COUNTS)} | _KINDS
         self.kinds = np.array([places[column] for column in names], np.int64)
         self.limits = np.zeros((len(places), 2), np.int64)
         for column, allowed in self.allowed.items():
-            self.limits[places[column]] = allowed.lo, allowed.hi
+            if column in places:
+                self.limits[places[column]] = allowed.lo, allowed.hi
 
     def chunk(self, rows: Rows) -> Chunk | None:
         """Rows of all columns as a chunk, or None if a value is out of its range."""
@@ -118,7 +126,16 @@ class _Layout:
             sequence = values[:, self.sequence].copy()
         if times is not None and np.abs(times).max() > MOST_SECONDS:
             return None
-        return Chunk(counts, faults, times, sequence)
+        for column, place in self.of_channels.items():
+            told, allowed = values[:, place], self.allowed[column]
+            if told.min() < allowed.lo or told.max() > allowed.hi:
+                return None
+        channels, restarts = (
+            values[:, self.of_channels[c]].copy() if c in self.of_channels else None
+            for c in (CHANNEL, RESTART)
+        )
+        again = None if restarts is None else restarts.astype(np.uint8)
+        return Chunk(counts, faults, times, sequence, channels, again)
 
     def value(self, column: str, cell: bytes, line: int) -> int | float:
         """One cell of the slow path.
@@ -180,7 +197,7 @@ class _Layout:
         Raises:
             InputError: one has a fault.
         """
-        chunk = None if compiled is None else self.scan(compiled, block)
+        chunk = None if compiled is None or self.of_channels else self.scan(compiled, block)
         if chunk is None:
             rows = parse(block, len(self.columns), self.time, self.sequence is not None)
             chunk = None if rows is None else self.chunk(rows)
@@ -261,7 +278,7 @@ class TextLogWriter:
 
     def write(self, chunk: Chunk, origin: float) -> None:
         """Append samples; `origin` is added to their times."""
-        counts, faults, times, _ = chunk
+        counts, faults, times = chunk[:3]
         whole = counts if faults is None else np.column_stack([counts, faults])
         text = self._printed(whole, times, origin) or _formatted(whole, times, origin)
         self._written += len(text)

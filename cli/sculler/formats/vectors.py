@@ -2,13 +2,15 @@
 
 The ending of the file's name says what it is: `.npz`, `.parquet`, and CSV for all others.  Where
 the log had stamps there is one more column, the last: `time_s`, the instant of the interval's end
-on the log's clock.
+on the log's clock.  Where the core has many sensors `channel`, whose result it is, stands after the
+components.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 
@@ -18,7 +20,7 @@ from numpy.typing import NDArray
 from sculler.formats import lines
 from sculler.formats.tables import open_table, table_kind
 from sculler.formats.vectors_table import TableVectors, TableVectorsWriter
-from sculler.formats.vectors_text import TIME, TextVectors, TextVectorsWriter
+from sculler.formats.vectors_text import CHANNEL, TIME, TextVectors, TextVectorsWriter
 from sculler_model.design import COLUMNS, Design, Interval
 from sculler_model.errors import InputError
 from sculler_model.fast import (
@@ -30,7 +32,15 @@ from sculler_model.fast import (
 )
 from sculler_model.outputs import replacing
 
-__all__ = ["TIME", "VectorsFile", "VectorsWriter", "open_vectors", "read_vectors", "results_in"]
+__all__ = [
+    "CHANNEL",
+    "TIME",
+    "VectorsFile",
+    "VectorsWriter",
+    "open_vectors",
+    "read_vectors",
+    "results_in",
+]
 
 VectorsFile = TextVectors | TableVectors
 _HIGHEST_STATUS = 15
@@ -47,6 +57,8 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
 
     Attributes:
         path, columns, times: the same.
+        channels: whether it has the column `channel`, as a design with channels or, without a
+            design, the first block says.
         rows: rows written so far.
 
     Raises:
@@ -63,6 +75,7 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
         self.path = Path(path)
         self.columns = tuple(columns)
         self.times = times
+        self.channels: bool | None = None if design is None else design.channels > 1
         self.rows = 0
         self._design = design
 
@@ -77,8 +90,8 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
         """Append the block's rows.
 
         Raises:
-            ValueError: the block has other columns than the file, or times where the file has none,
-                or none where it has.
+            ValueError: the block has other columns than the file, or times or channels where the
+                file has none, or none where it has.
         """
         if block.columns != self.columns:
             raise ValueError(f"{self.path}: {len(block.columns)} columns for {len(self.columns)}")
@@ -86,21 +99,25 @@ class VectorsWriter(AbstractContextManager["VectorsWriter"]):
             return
         if self.times is None:
             self.times = block.times is not None
+        if self.channels is None:
+            self.channels = block.channels is not None
         file = self._opened(64 * limbs_of(block.components).shape[-1])
         if (block.times is not None) != self.times:
             raise ValueError(f"{self.path}: give blocks times exactly where the file has them")
+        if len(block) and (block.channels is not None) != self.channels:
+            raise ValueError(f"{self.path}: give blocks channels exactly where the file has them")
         file.write(block)
         self.rows += len(block)
 
     def _opened(self, widest: int) -> TextVectorsWriter | TableVectorsWriter:
         """The file; its header goes out when it is opened."""
         if self._file is None:
-            times = bool(self.times)
+            times, channels = bool(self.times), bool(self.channels)
             if table_kind(self.path) is None:
-                self._file = TextVectorsWriter(self._temporary, self.columns, times)
+                self._file = TextVectorsWriter(self._temporary, self.columns, times, channels)
             else:
                 self._file = TableVectorsWriter(
-                    self._temporary, self.columns, times, self._design, widest
+                    self._temporary, self.columns, times, channels, self._design, widest
                 )
             self._stack.push(self._file.close)
         return self._file
@@ -127,7 +144,12 @@ def open_vectors(path: str | Path) -> VectorsFile:
 
 
 def read_vectors(
-    path: str | Path, design: Design | None = None, chunk: int = 1 << 14, *, missing: bool = False
+    path: str | Path,
+    design: Design | None = None,
+    chunk: int = 1 << 14,
+    *,
+    missing: bool = False,
+    channel: int | None = None,
 ) -> Iterator[VectorBlock]:
     """Read a vectors file in blocks of at most `chunk` rows.
 
@@ -138,11 +160,13 @@ def read_vectors(
         chunk: rows in a block, which bound the memory.
         missing: let rows be missing, that is, `major` jump forwards, as where the design drops
             results.
+        channel: the one to read, of a file of many.
 
     Raises:
         InputError: the file cannot be read, is cut short, its header or a cell is wrong, `major`
             does not run 0, 1, 2... (from 0 again after a reset), or the columns or a component do
-            not fit the design.  The line is named (of a binary file the row, from 1).
+            not fit the design.  The line is named (of a binary file the row, from 1).  Or it has
+            channels and none is given, or not that one.
     """
     with open_vectors(path) as file:
         if design is not None and file.columns != design.columns:
@@ -151,11 +175,37 @@ def read_vectors(
                 f"{where}: {len(file.columns)} columns, but design {design.name} with"
                 f" {_told(design)} gives {len(design.columns)}; is this its vectors file?"
             )
+        _require_channel(file, design, channel)
         missing = missing or (design is not None and design.drops_results)
-        checks = _Checks(f"{path}: {file.unit}", file.first, design, missing)
+        checks = _Checks(f"{path}: {file.unit}", design, missing)
+        number, found = file.first, channel is None
         for block in file.blocks():
-            for begin in range(0, len(block), chunk):
-                yield checks(rows_of(block, slice(begin, begin + chunk)))
+            rows = np.arange(len(block))
+            if channel is not None:
+                rows = np.flatnonzero(block.channels == channel)
+                found |= len(rows) > 0
+            mine = block if channel is None else replace(block[rows], channels=None)
+            for begin in range(0, len(mine), chunk):
+                part = slice(begin, begin + chunk)
+                yield checks(mine[part], number + rows[part])
+            number += len(block)
+        if not found:
+            raise InputError(f"{path}: no result of channel {channel}, give one that is there")
+
+
+def _require_channel(file: VectorsFile, design: Design | None, channel: int | None) -> None:
+    """See that a channel is asked for exactly where there are some, and one of the design's."""
+    if channel is None and file.channels:
+        raise InputError(
+            f"{file.path}: results of many channels, name one (sculler navigate --channel)"
+        )
+    if channel is not None and not file.channels:
+        raise InputError(f"{file.path}: results of one sensor, leave the channel out")
+    if channel is not None and design is not None and not 0 <= channel < design.channels:
+        raise InputError(
+            f"{file.path}: channel {channel} is not one of design {design.name}, give 0 to"
+            f" {design.channels - 1}"
+        )
 
 
 def _told(design: Design) -> str:
@@ -170,27 +220,26 @@ class _Checks:
 
     Args:
         where: the file and what its rows are counted in, for messages.
-        number: of the first row.
         design, missing: see `read_vectors`.
     """
 
-    def __init__(self, where: str, number: int, design: Design | None, missing: bool) -> None:
-        self._where, self._number = where, number
+    def __init__(self, where: str, design: Design | None, missing: bool) -> None:
+        self._where = where
         self._design, self._missing = design, missing
         self._major = -1
 
-    def __call__(self, block: VectorBlock) -> VectorBlock:
-        """The block, its components in the design's limbs."""
+    def __call__(self, block: VectorBlock, numbers: NDArray[np.int64]) -> VectorBlock:
+        """The block, its components in the design's limbs; `numbers` are those of its rows."""
+        self._numbers = numbers
         self._check_order(block)
         if self._design is not None:
             self._check_widths(block, self._design)
-        self._number += len(block)
         self._major = int(block.major[-1])
         if self._design is None:
             return block
         limbs = component_limbs(self._design)
         narrow = from_limbs(limbs_of(block.components)[..., :limbs])
-        return VectorBlock(block.major, block.status, as_integers(narrow, limbs), block.times)
+        return replace(block, components=as_integers(narrow, limbs))
 
     def _check_order(self, block: VectorBlock) -> None:
         before = np.concatenate([[self._major], block.major[:-1]])
@@ -201,7 +250,7 @@ class _Checks:
         if (follows & known).all():
             return
         row = int(np.argmin(follows & known))
-        where = f"{self._where} {self._number + row}"
+        where = f"{self._where} {self._numbers[row]}"
         if not follows[row]:
             raise InputError(
                 f"{where}: major is {block.major[row]} where {before[row] + 1} should follow,"
@@ -219,7 +268,7 @@ class _Checks:
                 shown = repr(from_limbs(limbs[row : row + 1, place]).tolist()[0])
                 shown = shown if len(shown) <= 40 else shown[:37] + "..."
                 raise InputError(
-                    f"{self._where} {self._number + row}: {name} is {shown}, more than"
+                    f"{self._where} {self._numbers[row]}: {name} is {shown}, more than"
                     f" design {design.name} can give ({allowed.bits} bits); is this its vectors"
                     " file?"
                 )
@@ -246,12 +295,6 @@ def _below(one: NDArray[np.int64], other: NDArray[np.int64]) -> NDArray[np.bool_
         less |= equal & (left < right)
         equal &= left == right
     return less
-
-
-def rows_of(block: VectorBlock, part: slice) -> VectorBlock:
-    """Some rows of a block."""
-    times = None if block.times is None else block.times[part]
-    return VectorBlock(block.major[part], block.status[part], block.components[part], times)
 
 
 def results_in(path: str | Path) -> int | None:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.formats.tables import Block, Column, open_table, seconds, whole, writing_table
-from sculler.formats.vectors_text import TIME, trimmed
+from sculler.formats.vectors_text import CHANNEL, TIME, trimmed
 from sculler_model.design import COLUMNS, EVERY_COLUMNS, Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock, limbs_of
@@ -33,7 +33,7 @@ class TableVectors(AbstractContextManager["TableVectors"]):
         with ExitStack() as stack:
             self._table = stack.enter_context(open_table(path, "vectors file"))
             names = list(self._table.names)
-            self.times = TIME in names
+            self.times, self.channels = TIME in names, CHANNEL in names
             further = [each for each in EVERY_COLUMNS[1:] if set(each[len(COLUMNS) :]) & {*names}]
             whole_there = [each for each in further if {*each} <= {*names}]
             self.columns = [COLUMNS, *further[:1], *whole_there][-1]
@@ -48,7 +48,7 @@ class TableVectors(AbstractContextManager["TableVectors"]):
             if name not in names:
                 raise InputError(f"{self.path}: column {name} is missing; is this a vectors file?")
         for name in names:
-            if name not in (*self.columns, TIME):
+            if name not in (*self.columns, CHANNEL, TIME):
                 raise InputError(
                     f"{self.path}: unknown column {name[:40]!r}, a vectors file has"
                     f" {','.join(COLUMNS)[:26]}..."
@@ -63,12 +63,16 @@ class TableVectors(AbstractContextManager["TableVectors"]):
             InputError: a column holds other numbers, or the file is damaged.
         """
         first = self.first
-        for block in self._table.blocks([*self.columns, *[TIME] * self.times]):
+        names = [*self.columns, *[CHANNEL] * self.channels, *[TIME] * self.times]
+        for block in self._table.blocks(names):
             major, status = (
                 whole(self.path, name, block[name], first) for name in self.columns[:2]
             )
             times = seconds(self.path, TIME, block[TIME], first) if self.times else None
-            yield VectorBlock(major, status, self._components(block, first), times)
+            channels = None
+            if self.channels:
+                channels = whole(self.path, CHANNEL, block[CHANNEL], first)
+            yield VectorBlock(major, status, self._components(block, first), times, channels)
             first += len(major)
 
     def _components(self, block: Block, first: int) -> Any:
@@ -97,13 +101,19 @@ class TableVectorsWriter:
     """
 
     def __init__(
-        self, path: Path, columns: Sequence[str], times: bool, design: Design | None, widest: int
+        self,
+        path: Path,
+        columns: Sequence[str],
+        times: bool,
+        channels: bool,
+        design: Design | None,
+        widest: int,
     ) -> None:
         made = [Column(columns[0]), Column(columns[1])]
         for name in columns[2:]:
             bits = widest if design is None else getattr(design.words, name[:-2]).bits
             made.append(Column(name, bits=max(bits, 64)))
-        made += [Column(TIME, "float64")] * times
+        made += [Column(CHANNEL)] * channels + [Column(TIME, "float64")] * times
         self._columns = tuple(columns)
         self._waiting: list[VectorBlock] = []
         self._rows = 0
@@ -126,6 +136,8 @@ class TableVectorsWriter:
         rows: dict[str, NDArray[Any]] = {"major": block.major, "status": block.status}
         for name, numbers in zip(self._columns[2:], turned, strict=True):
             rows[name] = numbers if numbers.shape[1] > 1 else numbers[:, 0]
+        if block.channels is not None:
+            rows[CHANNEL] = block.channels
         if block.times is not None:
             rows[TIME] = block.times
         self._table.write(rows)

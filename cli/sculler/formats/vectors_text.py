@@ -26,6 +26,9 @@ from sculler_model.fast import VectorBlock, WideIntegers, from_limbs, limbs_of
 TIME = "time_s"
 """Name of the optional last column."""
 
+CHANNEL = "channel"
+"""Name of the column before it, of a core with many sensors."""
+
 MAX_DIGITS = 4000
 """Of a component, many times what any design gives; Python converts no more than 4300."""
 
@@ -39,15 +42,18 @@ _TIME = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]+)?")  # as Python write
 _LARGEST = (1 << 63) - 1
 
 
-def header(columns: Sequence[str], times: bool) -> str:
+def header(columns: Sequence[str], times: bool, channels: bool = False) -> str:
     """The first line."""
-    return ",".join(columns) + f",{TIME}" * times + "\n"
+    return ",".join(columns) + f",{CHANNEL}" * channels + f",{TIME}" * times + "\n"
 
 
 _COLUMNS = {
-    header(columns, times): (columns, times) for columns in EVERY_COLUMNS for times in (False, True)
+    header(columns, times, channels): (columns, times, channels)
+    for columns in EVERY_COLUMNS
+    for times in (False, True)
+    for channels in (False, True)
 }
-"""The columns of integers that a header stands for, and whether it has times."""
+"""What a header stands for: columns of integers, whether it has times, and channels."""
 
 
 class TextVectors(AbstractContextManager["TextVectors"]):
@@ -56,7 +62,8 @@ class TextVectors(AbstractContextManager["TextVectors"]):
     Attributes:
         path: the file.
         columns: its columns of integers, from the header.
-        times: whether the column `time_s` follows them.
+        channels: whether the column `channel` follows them.
+        times: whether the column `time_s` follows.
         unit, first: what messages count, and the number of the first row.
 
     Raises:
@@ -88,8 +95,9 @@ class TextVectors(AbstractContextManager["TextVectors"]):
                 f"{self.path}: line 1: the header is {_shown(line)}, a vectors file begins with"
                 f" {','.join(COLUMNS)[:26]}..."
             )
-        self.columns, self.times = _COLUMNS[line]
-        self._row = re.compile(rf"-?[0-9]+(?:,-?[0-9]+){{{len(self.columns) - 1}}}")
+        self.columns, self.times, self.channels = _COLUMNS[line]
+        self._whole = (*self.columns, *[CHANNEL] * self.channels)  # whole numbers of a line
+        self._row = re.compile(rf"-?[0-9]+(?:,-?[0-9]+){{{len(self._whole) - 1}}}")
 
     def __exit__(self, *error: object) -> None:
         self._stack.close()
@@ -141,14 +149,14 @@ class TextVectors(AbstractContextManager["TextVectors"]):
 
     def _scanned(self, text: bytes, compiled: Kernels) -> VectorBlock | None:
         """By compiled loops; None if the text is not plain."""
-        rows, columns = text.count(b"\n"), len(self.columns)
+        rows, columns = text.count(b"\n"), len(self._whole)
         characters = np.frombuffer(text, np.uint8)
         bits = np.empty(rows if self.times else 0, np.uint64)
         times = bits.view(np.float64) if self.times else None
         whole, none = np.empty((rows, columns), np.int64), NO_LIMBS.view(np.uint64)
         found = compiled.scan_rows(characters, self.times, compiled.lower, whole, none, bits)
         if found == rows:
-            return VectorBlock(whole[:, 0].copy(), whole[:, 1].copy(), whole[:, 2:], times)
+            return self._of_whole(whole, times)
         longest = compiled.longest(characters)
         limbs = int(longest * _DIGIT_BITS + 1) // 64 + 1
         if limbs > _MOST_LIMBS:
@@ -158,23 +166,28 @@ class TextVectors(AbstractContextManager["TextVectors"]):
         found = compiled.scan_rows(characters, self.times, compiled.lower, head, wide, bits)
         if found != rows:
             return None
-        components = trimmed(wide.view(np.int64))
-        return VectorBlock(head[:, 0].copy(), head[:, 1].copy(), components, times)
+        numbers = wide.view(np.int64)
+        channels = numbers[:, -1, 0].copy() if self.channels else None
+        components = trimmed(numbers[:, :-1] if self.channels else numbers)
+        return VectorBlock(head[:, 0].copy(), head[:, 1].copy(), components, times, channels)
+
+    def _of_whole(self, whole: np.ndarray, times: np.ndarray | None) -> VectorBlock:
+        """A block of a table of whole numbers."""
+        columns = len(self.columns)
+        channels = whole[:, columns].copy() if self.channels else None
+        components = whole[:, 2:columns].copy() if self.channels else whole[:, 2:]
+        return VectorBlock(whole[:, 0].copy(), whole[:, 1].copy(), components, times, channels)
 
     def _parsed(self, text: bytes) -> VectorBlock | None:
         """In numpy; None if the text is not plain, or a number has more than 18 digits."""
         if self.times and b".\n" in text:
             return None
-        columns = len(self.columns)
+        columns = len(self._whole)
         place = columns if self.times else None
         rows = parse(text, columns + self.times, place, long=True)
         if rows is None:
             return None
-        whole = rows.whole
-        times = None if rows.decimals is None else rows.decimals
-        return VectorBlock(
-            whole[:, 0].copy(), whole[:, 1].copy(), whole[:, 2:columns].copy(), times
-        )
+        return self._of_whole(rows.whole[:, :columns].copy(), rows.decimals)
 
     def _line_by_line(self, text: bytes, number: int) -> VectorBlock:
         """In Python; says which cell of which line is wrong."""
@@ -182,20 +195,24 @@ class TextVectors(AbstractContextManager["TextVectors"]):
             written = text.decode("ascii").split("\n")[:-1]
         except UnicodeDecodeError as error:
             raise self._no_text() from error
-        rows, times = [], []
+        rows, times, channels = [], [], []
         for line_number, line in enumerate(written, start=number):
             row, time = self._numbers(line_number, line)
-            for column, value in zip(self.columns[:2], row, strict=False):
+            channel = row[-1] if self.channels else 0
+            named = ("major", row[0]), ("status", row[1]), (CHANNEL, channel)
+            for column, value in named:
                 if abs(value) > _LARGEST:
                     raise InputError(
                         f"{self.path}: line {line_number}: {column} is {_shown(value)}, more than"
                         " any run gives"
                     )
-            rows.append(row)
+            rows.append(row[: len(self.columns)])
             times.append(time)
+            channels.append(channel)
         block = VectorBlock.from_rows(rows)
         stamps = np.array(times, np.float64) if self.times else None
-        return VectorBlock(block.major, block.status, block.components, stamps)
+        whose = np.array(channels, np.int64) if self.channels else None
+        return VectorBlock(block.major, block.status, block.components, stamps, whose)
 
     def _numbers(self, number: int, line: str) -> tuple[tuple[int, ...], float | None]:
         """The integers of a line, and its time (s), None where the file has no times."""
@@ -207,7 +224,7 @@ class TextVectors(AbstractContextManager["TextVectors"]):
     def _check(self, number: int, line: str) -> None:
         """Raise InputError if the line is not as many numbers as there are columns."""
         integers, _, time = line.rpartition(",") if self.times else (line, "", "0")
-        cells, names = line.split(","), (*self.columns, *[TIME] * self.times)
+        cells, names = line.split(","), (*self._whole, *[TIME] * self.times)
         if self._row.fullmatch(integers) and _is_time(time):
             longest = max(map(len, cells))
             if longest <= MAX_DIGITS:
@@ -250,10 +267,10 @@ def trimmed(limbs: np.ndarray) -> np.ndarray | WideIntegers:
 class TextVectorsWriter:
     """Writes a vectors CSV, the header first; see `vectors.VectorsWriter`."""
 
-    def __init__(self, path: Path, columns: Sequence[str], times: bool) -> None:
+    def __init__(self, path: Path, columns: Sequence[str], times: bool, channels: bool) -> None:
         self._format = ",".join(["%d"] * len(columns))
         self._file = path.open("wb")
-        self._file.write(header(columns, times).encode("ascii"))
+        self._file.write(header(columns, times, channels).encode("ascii"))
         self._written = 0
 
     def write(self, block: VectorBlock) -> None:
@@ -265,6 +282,10 @@ class TextVectorsWriter:
     def _printed(self, block: VectorBlock) -> memoryview | None:
         """By compiled loops; None where they are not worth it."""
         limbs = limbs_of(block.components)
+        if block.channels is not None:  # one more number of a row
+            last = np.zeros_like(limbs[:, :1])
+            last[:, 0, 0] = block.channels
+            limbs = np.concatenate([limbs, last], axis=1)
         rows, columns, words = limbs.shape
         wide = columns * (WHOLE_BYTES + _LIMB_BYTES * (words - 1))
         room = rows * (2 * WHOLE_BYTES + wide + FLOAT_BYTES)
@@ -284,6 +305,9 @@ class TextVectorsWriter:
     def _formatted(self, block: VectorBlock) -> bytes:
         """In Python."""
         rows = (self._format % row for row in block.rows())
+        if block.channels is not None:
+            whose = block.channels.tolist()
+            rows = (f"{row},{channel}" for row, channel in zip(rows, whose, strict=True))
         if block.times is None:
             return "".join(row + "\n" for row in rows).encode("ascii")
         stamps = zip(rows, block.times.tolist(), strict=True)

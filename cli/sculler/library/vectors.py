@@ -12,13 +12,16 @@ from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
 
 
-def read_vectors(path: str | Path, design: Design | None = None) -> VectorBlock:
+def read_vectors(
+    path: str | Path, design: Design | None = None, channel: int | None = None
+) -> VectorBlock:
     """Read a vectors file (docs/reference/vectors.md) whole.
 
     Args:
         path: of the file; its ending says which kind, `.npz`, `.parquet` or CSV.
         design: whose vectors they are: every component is checked against its width; None where
             nobody knows.
+        channel: whose results to read, of a file of many channels.
 
     Returns:
         The results of R major intervals, in the sensor's axes, exact integers.
@@ -34,7 +37,7 @@ def read_vectors(path: str | Path, design: Design | None = None) -> VectorBlock:
         >>> sculler.read_vectors("vectors.csv", design).major.tolist()
         [0, 1]
     """
-    blocks = list(files.read_vectors(path, design, missing=True))
+    blocks = list(files.read_vectors(path, design, missing=True, channel=channel))
     if not blocks:
         raise InputError(f"{path}: no results, give a longer log")
     return VectorBlock.concatenate(blocks)

@@ -17,8 +17,10 @@ from sculler.formats.lines import Behind
 from sculler.formats.log import read_log
 from sculler.formats.tables import counting
 from sculler.formats.vectors import VectorsWriter
+from sculler.runs.channel_source import ChannelSource, ReferenceChannels
 from sculler.runs.engines import SimulationEngine
 from sculler.words import Advance, plural
+from sculler_hdl import timing
 from sculler_model.design import (
     STATUS_FAULT,
     STATUS_LOST,
@@ -26,7 +28,7 @@ from sculler_model.design import (
     STATUS_SHORT_HISTORY,
     Design,
 )
-from sculler_model.fast import FastModel, VectorBlock
+from sculler_model.fast import FastChannels, FastModel, VectorBlock
 from sculler_model.golden import GoldenModel, Sample
 from sculler_model.samples import Plausibility, end_after_stamp, in_words
 from sculler_sim.engine import simulate
@@ -50,7 +52,7 @@ class Summary:
         left_out: samples in intervals that the log's end or a break cut short.
         elapsed: seconds of work.
         breaks: what the log's stamps and its counter showed.
-        implausible: counts that no sensor gives, in words.
+        implausible: counts that no sensor gives, and what was not looked at, in words.
         clocks: clocks simulated; None for the model.
         advice: how to have it faster, in words, where there is a way.
     """
@@ -70,6 +72,11 @@ class Summary:
     advice: tuple[str, ...] = ()
 
     @property
+    def seconds(self) -> float:
+        """How long the samples took; of many channels, one of them on average."""
+        return self.samples * self.design.sample_interval / self.design.channels
+
+    @property
     def warnings(self) -> list[str]:
         """What the user should know."""
         return [*self.breaks.warnings(), *self.implausible, *self.advice]
@@ -79,7 +86,7 @@ class Summary:
         data: dict[str, Any] = {
             "design": self.design.name,
             "samples": self.samples,
-            "seconds": self.samples * self.design.sample_interval,
+            "seconds": self.seconds,
             "results": self.results,
             "leftover_samples": self.left_out,
             "short_history_results": self.short_history,
@@ -97,11 +104,18 @@ class Summary:
         design = self.design
         each = plural(design.samples_per_major, "sample")
         rows = {
-            "samples": f"{self.samples:,}, {self.samples * design.sample_interval:,.6g} s at"
+            "samples": f"{self.samples:,}, {self.seconds:,.6g} s at"
             f" {design.sensor.sample_rate_hz:g} Hz",
             "results": f"{plural(self.results, 'major interval')} of {each}",
         }
-        if self.left_out and self.breaks.count:
+        if design.channels > 1:
+            rows["samples"] += f" of {design.channels} channels each, on average"
+        if self.left_out and design.channels > 1:
+            rows["incomplete"] = (
+                f"{plural(self.left_out, 'sample')} before restarts or at the end fill no interval"
+                " and give no result"
+            )
+        elif self.left_out and self.breaks.count:
             rows["incomplete"] = (
                 f"{plural(self.left_out, 'sample')} before breaks or at the end fill no interval"
                 " and give no result"
@@ -149,9 +163,15 @@ def model_log(
     Raises:
         InputError: the log is at fault or the output cannot be written.
     """
-    model: FastModel | _Reference = FastModel(design) if engine == "fast" else _Reference(design)
     start = time.perf_counter()
-    source = _Source(design, log, breaks, advance)
+    model: Any  # what takes the chunks of its source
+    source: _Source | ChannelSource
+    if design.channels > 1:
+        model = FastChannels(design) if engine == "fast" else ReferenceChannels(design)
+        source = ChannelSource(design, log, advance)
+    else:
+        model = FastModel(design) if engine == "fast" else _Reference(design)
+        source = _Source(design, log, breaks, advance)
 
     def blocks() -> Iterator[VectorBlock]:
         for chunk in source:
@@ -161,8 +181,8 @@ def model_log(
                 yield source.stamped(model.feed(*chunk))
 
     counted = _write(design, blocks(), output)
-    summary = source.summary(counted, time.perf_counter() - start)
-    if isinstance(model, FastModel) and model.lacks_numba:
+    summary = _summary(design, source, counted, time.perf_counter() - start)
+    if engine == "fast" and model.lacks_numba:
         return replace(summary, advice=(WITHOUT_NUMBA,))
     return summary
 
@@ -190,13 +210,14 @@ def simulate_log(
         SimulationError: the core hangs.
     """
     start = time.perf_counter()
+    timing(design)  # a core that cannot be built is told first
     source = _Source(design, log, breaks, advance)
     # a log at fault from the beginning is told before anything is compiled
     chunks = iter(source)
     chunks = chain([next(chunks)], chunks)
     run = simulate(design, chunks, engine=engine, stimulus=stimulus, wave=wave)
     counted = _write(design, map(source.stamped, run), output, source.has_times)
-    return source.summary(counted, time.perf_counter() - start, run.progress.clocks)
+    return _summary(design, source, counted, time.perf_counter() - start, run.progress.clocks)
 
 
 class _Source:
@@ -206,15 +227,17 @@ class _Source:
     core may have dropped some: each takes the next end of its own major interval.
 
     Attributes:
+        samples: that went by.
+        breaks: what its stamps and its counter show.
         has_times: whether the log has stamps, known from the first samples on.
     """
 
     def __init__(self, design: Design, log: str | Path, policy: Policy, advance: Advance) -> None:
         self._design, self._log, self._advance = design, log, advance
-        self._breaks = BreakFinder(design, "stdin" if str(log) == "-" else str(log), policy)
+        self.breaks = BreakFinder(design, "stdin" if str(log) == "-" else str(log), policy)
         self._plausibility = Plausibility(design)
         self._looking = Behind(self._plausibility)
-        self._samples = self._left_out = 0
+        self.samples = self._left_out = 0
         self._phase = 0  # samples in the interval that is not complete
         self._major = 0  # the interval that is not complete
         # major intervals whose results are still to come, and their ends
@@ -223,7 +246,7 @@ class _Source:
 
     def __iter__(self) -> Iterator[tuple[NDArray[np.int64], NDArray[np.uint8] | None] | None]:
         span = self._design.samples_per_major
-        for chunk in self._breaks(read_log(self._log, self._design, self._advance)):
+        for chunk in self.breaks(read_log(self._log, self._design, self._advance)):
             if isinstance(chunk, Break):
                 self._left_out += self._phase
                 self._phase = self._major = 0
@@ -236,7 +259,7 @@ class _Source:
                 self._majors = np.concatenate([self._majors, majors])
             complete, self._phase = divmod(self._phase + len(chunk.counts), span)
             self._major += complete
-            self._samples += len(chunk.counts)
+            self.samples += len(chunk.counts)
             self._looking(chunk.counts, chunk.times)
             yield chunk.counts, chunk.faults
 
@@ -256,27 +279,38 @@ class _Source:
         self._majors, self._ends = self._majors[gone:], self._ends[gone:]
         return replace(block, times=times)
 
-    def summary(
-        self, counted: tuple[int, int, int, int, int], elapsed: float, clocks: int | None = None
-    ) -> Summary:
-        """What the run did, once all samples are through."""
-        left_out = self._left_out + self._phase
+    @property
+    def left_out(self) -> int:
+        """Samples of intervals that are not complete, once all are through."""
+        return self._left_out + self._phase
+
+    @property
+    def doubts(self) -> list[str]:
+        """Counts that no sensor gives, in words, once all samples are through."""
         self._looking.finish()
         found = self._plausibility.finish()
         unit, first = counting(self._log)
-        implausible = in_words(
-            found, self._plausibility.counts, lambda sample: f"{unit} {sample + first}"
-        )
-        return Summary(
-            self._design,
-            self._samples,
-            *counted,
-            left_out,
-            elapsed,
-            self._breaks,
-            implausible,
-            clocks,
-        )
+        return in_words(found, self._plausibility.counts, lambda sample: f"{unit} {sample + first}")
+
+
+def _summary(
+    design: Design,
+    source: _Source | ChannelSource,
+    counted: tuple[int, int, int, int, int],
+    elapsed: float,
+    clocks: int | None = None,
+) -> Summary:
+    """What a run did, once all samples are through."""
+    return Summary(
+        design,
+        source.samples,
+        *counted,
+        source.left_out,
+        elapsed,
+        source.breaks,
+        source.doubts,
+        clocks,
+    )
 
 
 def _places(waiting: list[int], came: list[int]) -> Iterator[int]:

@@ -25,6 +25,19 @@ def require_no_compensation(design: Design) -> None:
         )
 
 
+def require_one_channel(design: Design) -> None:
+    """Refuse many channels.
+
+    Raises:
+        InputError: the design has them.
+    """
+    if design.channels > 1:
+        raise InputError(
+            f"hardware.channels: {design.channels} is not built as hardware yet, the models have"
+            " it: leave it out"
+        )
+
+
 def timing(design: Design) -> Timing:
     """The clocks that the design's core takes; planned, not built.
 
@@ -32,6 +45,7 @@ def timing(design: Design) -> Timing:
         InputError: `hardware.multipliers` are too few, or the design has compensation.
     """
     require_no_compensation(design)
+    require_one_channel(design)
     if design.hardware.core == "compact":
         return plan_compact(design).timing
     made = plan_pipelined(design).timing

@@ -135,6 +135,7 @@ class Design(Part):
             ("hardware.bus", hardware.bus),
             ("hardware.front", hardware.front),
             ("hardware.hardening", hardware.hardening),
+            ("hardware.channels", hardware.channels),
         ):
             if value is not None:
                 raise ValueError(f"is not built for a design with {key}: leave one out")
@@ -144,6 +145,21 @@ class Design(Part):
             raise ValueError(f"compensation.{error}") from error
         require_narrow(tap_table_of(sensor, algorithm), compensated_sensor(sensor, plan), algorithm)
         return compensation
+
+    @field_validator("hardware")
+    @classmethod
+    def _channels_fit_algorithm(cls, hardware: Hardware, info: ValidationInfo) -> Hardware:
+        algorithm = info.data.get("algorithm")
+        if hardware.channels is None or algorithm is None:
+            return hardware
+        further = [f"order = {algorithm.order}"] if algorithm.order is not None else []
+        further += ['position = "high-resolution"'] * (algorithm.position == "high-resolution")
+        if further:
+            raise ValueError(
+                f"hardware.channels: {hardware.channels} is not built with"
+                f" algorithm.{further[0]}: leave one out"
+            )
+        return hardware
 
     @classmethod
     def load(cls, path: str | Path) -> Design:
@@ -277,6 +293,11 @@ class Design(Part):
     def drops_results(self) -> bool:
         """Whether the core drops a result that waits rather than make samples wait for it."""
         return self.hardware.overrun == "drop-result"
+
+    @property
+    def channels(self) -> int:
+        """C, sensors that the core serves, each with numbers of its own."""
+        return self.hardware.channels or 1
 
     @property
     def status_bits(self) -> int:

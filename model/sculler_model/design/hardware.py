@@ -10,6 +10,9 @@ from sculler_model.design.bus import Bus
 from sculler_model.design.front import Front
 from sculler_model.schema import Part
 
+MOST_CHANNELS = 1024
+"""Sensors that one core may serve."""
+
 
 class Hardware(Part):
     """How it becomes gates.  Field order matters: later ones are checked against earlier.
@@ -43,6 +46,8 @@ class Hardware(Part):
             differ status bit 4 and the port `upset` tell so.  "recover": it is there three times,
             the majority goes to the ports, and a copy that differs is started again at the next
             major interval.
+        channels: sensors that the core serves, each with numbers of its own; None, which is the
+            default: one.
     """
 
     core: Annotated[
@@ -76,6 +81,9 @@ class Hardware(Part):
     hardening: Annotated[
         Literal["off", "detect", "recover"] | None,
         Field(description='"off", "detect" or "recover"'),
+    ] = None
+    channels: Annotated[
+        int | None, Field(ge=1, le=MOST_CHANNELS, description="a whole number from 1 to 1024")
     ] = None
 
     @property
@@ -121,6 +129,27 @@ class Hardware(Part):
                         f' {key} = "{value}": leave that out, or give core = "compact"'
                     )
         return hardening
+
+    @field_validator("channels")
+    @classmethod
+    def _channels_are_built(cls, channels: int | None, info: ValidationInfo) -> int | None:
+        if channels in (None, 1):
+            return None
+        if info.data.get("core") == "pipelined":
+            raise ValueError(
+                f'{channels} is not built for core = "pipelined": give core = "compact"'
+            )
+        for part in ("bus", "front"):
+            if info.data.get(part) is not None:
+                raise ValueError(
+                    f"{channels} is not built for a core with [hardware.{part}]: leave one out"
+                )
+        for key in ("overrun", "reset", "clock_enable", "hardening"):
+            value = info.data.get(key)
+            if value is not None:
+                told = "true" if value is True else f'"{value}"'
+                raise ValueError(f"{channels} is not built with {key} = {told}: leave one out")
+        return channels
 
     @field_validator("clock_enable")
     @classmethod

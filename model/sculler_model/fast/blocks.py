@@ -38,6 +38,7 @@ class VectorBlock(Table):
             and kept so.
         times: (R,) instant of each interval's end on the log's clock, s; None where the log has
             no stamps.
+        channels: (R,) int64, whose result it is, of a core with many sensors; else None.
 
     Examples:
         >>> import numpy as np, sculler
@@ -51,6 +52,7 @@ class VectorBlock(Table):
     status: NDArray[np.int64]
     components: Integers
     times: NDArray[np.float64] | None = None
+    channels: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
         if isinstance(self.components, np.ndarray) and self.components.dtype.kind == "O":
@@ -91,26 +93,26 @@ class VectorBlock(Table):
         """Join blocks in order.
 
         Raises:
-            ValueError: there is no block, or some have times and others have not.
+            ValueError: there is no block, or some have times or channels and others have not.
         """
-        stamped = [block.times is not None for block in blocks if len(block)]
-        if any(stamped) and not all(stamped):
-            raise ValueError("blocks with and without times cannot be joined")
-        times = [block.times for block in blocks if block.times is not None]
+        times, channels = (_joined(blocks, name) for name in ("times", "channels"))
         return cls(
             np.concatenate([block.major for block in blocks]),
             np.concatenate([block.status for block in blocks]),
             concatenate([block.components for block in blocks]),
-            np.concatenate(times) if times else None,
+            times,
+            channels,
         )
 
     def __len__(self) -> int:
         return len(self.major)
 
-    def __getitem__(self, part: slice | NDArray[np.bool_]) -> VectorBlock:
-        """Some of the results: a slice, or those a mask (R,) names."""
+    def __getitem__(self, part: slice | NDArray[np.bool_ | np.int64]) -> VectorBlock:
+        """Some of the results: a slice, or those a mask (R,) or numbers of rows name."""
         times = None if self.times is None else self.times[part]
-        return VectorBlock(self.major[part], self.status[part], self.components[part], times)
+        channels = None if self.channels is None else self.channels[part]
+        components = self.components[part]
+        return VectorBlock(self.major[part], self.status[part], components, times, channels)
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -129,13 +131,16 @@ class VectorBlock(Table):
         return self.components[:, first : first + 3]
 
     def named_columns(self) -> dict[str, NDArray[Any]]:
-        """`major`, `status`, the components, and `time_s` (s) where the log had stamps."""
+        """`major`, `status`, the components, and what there is of `channel` and `time_s` (s)."""
         columns: dict[str, NDArray[Any]] = {"major": self.major, "status": self.status}
         columns |= vector_columns(self.columns[2:], np.asarray(self.components))
-        return columns if self.times is None else columns | {"time_s": self.times}
+        others = {"channel": self.channels, "time_s": self.times}
+        return columns | {name: told for name, told in others.items() if told is not None}
 
     def to_numpy(self) -> NDArray[Any]:
-        """All integers (R, 2 + components) in the order of `columns`, exact; `times` stay apart.
+        """All integers (R, 2 + components) in the order of `columns`, exact.
+
+        `times` and `channels` stay apart.
 
         The dtype is int64, or object (Python integers) where the design has a component of more
         than 64 bits.
@@ -158,3 +163,13 @@ class VectorBlock(Table):
                 at = next(unequal)
                 return row, self.columns[at], ours[at], theirs[at]
         return None
+
+
+def _joined(blocks: Sequence[VectorBlock], name: str) -> NDArray[Any] | None:
+    """One of the columns that blocks may lack, of all of them."""
+    there = [getattr(block, name) is not None for block in blocks if len(block)]
+    if any(there) and not all(there):
+        raise ValueError(f"blocks with and without {name} cannot be joined")
+    parts = [getattr(block, name) for block in blocks]
+    parts = [part for part in parts if part is not None]
+    return np.concatenate(parts) if parts else None

@@ -1,9 +1,11 @@
 """The golden model: the page in plain Python integers, and the core's ports clock by clock.
 
 `GoldenModel` is the reference for every other way to the same integers; `CycleModel` says what each
-output port does on every clock.  There is no numpy here.  It imports `algorithms` and `design`.
+output port does on every clock.  `ChannelModel` is the reference of a core with many sensors.
+There is no numpy here.  It imports `algorithms` and `design`.
 """
 
+from sculler_model.golden.channels import ChannelModel, ChannelSample
 from sculler_model.golden.cycles import (
     COUNTER_BITS,
     COUNTER_MAX,
@@ -31,6 +33,8 @@ __all__ = [
     "PORT_MAJOR_BITS",
     "RELEASE",
     "WORD_BITS",
+    "ChannelModel",
+    "ChannelSample",
     "CycleModel",
     "Dropping",
     "GoldenModel",

@@ -330,6 +330,7 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
         attitude_only=options["attitude_only"],
         rest=options["rest"],
         calibration=known,
+        channel=options["channel"],
     )
 
 

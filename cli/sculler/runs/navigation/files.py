@@ -60,9 +60,7 @@ def navigate_file(
     if plan.rest is not None:
         if plan.name == "-" or (truth is not None and str(truth) == "-"):
             raise InputError("--rest reads vectors and truth more than once, give files")
-        plan = with_rest_bias(
-            plan, lambda: read_vectors(plan.name, plan.design, missing=True), compared
-        )
+        plan = with_rest_bias(plan, lambda: _vectors(plan), compared)
     reference = compared()
     shown = Thinned()
     with ExitStack() as stack:
@@ -79,12 +77,17 @@ def navigate_file(
             shown.add(part)
 
         run = NavigationRun(plan, sink, reference, frames)
-        blocks = read_vectors(plan.name, plan.design, missing=True)
+        blocks = _vectors(plan)
         run.take(_advancing(blocks, advance))
     drawn = None
     if pictures and no_pictures is None:
         drawn = _draw(output, shown, run.seen, reference, plan.attitude_only)
     return Outcome.of(plan, output, run.seen, reference, drawn, no_pictures)
+
+
+def _vectors(plan: Plan) -> Iterator[VectorBlock]:
+    """The file, block by block, or one channel of it."""
+    return read_vectors(plan.name, plan.design, missing=True, channel=plan.channel)
 
 
 def _advancing(blocks: Iterable[VectorBlock], advance: Advance) -> Iterator[VectorBlock]:

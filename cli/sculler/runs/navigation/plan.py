@@ -259,6 +259,7 @@ class Plan:
         rest: a window (s) in which the unit rests, to take the gyros' bias from; None for none.
         bias: that was found there, to be taken out.
         calibration: known errors of the sensor, to be taken out; None for none.
+        channel: whose results to take, of a file of many channels.
 
     Raises:
         InputError: there is no such engine, or the window is empty.
@@ -286,6 +287,7 @@ class Plan:
     rest: tuple[float, float] | None = None
     bias: RestBias | None = None
     calibration: Calibration | None = None
+    channel: int | None = None
 
     def __post_init__(self) -> None:
         if self.calibration is not None:

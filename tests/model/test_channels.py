@@ -1,0 +1,154 @@
+"""Many sensors in one model: what each gives is what a model of its own gives, bit for bit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sculler_model.design import STATUS_LOST, Design
+from sculler_model.errors import InputError
+from sculler_model.fast import FastChannels, VectorBlock
+from sculler_model.golden import ChannelModel, ChannelSample, GoldenModel
+from strategies import DESIGNS, with_hardware
+
+PLAIN = with_hardware(DESIGNS["smallest"], core="compact")
+
+
+def many(design: Design, channels: int) -> Design:
+    return with_hardware(design, core="compact", channels=channels)
+
+
+def samples(design: Design, count: int, seed: int, restarts: float = 0.0) -> list[ChannelSample]:
+    """Samples of all channels in a random order, some of them at a rail, faulty or a restart."""
+    rng = np.random.default_rng(seed)
+    lo = [design.words.gyro.lo] * 3 + [design.words.accel.lo] * 3
+    hi = [design.words.gyro.hi] * 3 + [design.words.accel.hi] * 3
+    drawn = []
+    for _ in range(count):
+        row = [int(rng.choice([a, b, rng.integers(a, b + 1)])) for a, b in zip(lo, hi, strict=True)]
+        gyro, accel = (row[0], row[1], row[2]), (row[3], row[4], row[5])
+        channel = int(rng.integers(design.channels))
+        fault, again = int(rng.random() < 0.1), int(rng.random() < restarts)
+        drawn.append(ChannelSample(channel, gyro, accel, fault, again))
+    return drawn
+
+
+def test_one_channel_is_left_unsaid():
+    one = with_hardware(DESIGNS["smallest"], core="compact", channels=1)
+    assert one.hardware.channels is None
+    assert (one.channels, one.digest) == (1, PLAIN.digest)
+    assert many(PLAIN, 2).digest != PLAIN.digest
+    assert many(PLAIN, 1024).channels == 1024
+
+
+@pytest.mark.parametrize(
+    ("hardware", "told"),
+    [
+        ({"channels": 1025}, "1025 is not allowed, give a whole number from 1 to 1024"),
+        (
+            {"core": "pipelined", "channels": 2},
+            '2 is not built for core = "pipelined": give core = "compact"',
+        ),
+        (
+            {"bus": {"result": "axi-lite"}, "channels": 2},
+            "2 is not built for a core with [hardware.bus]: leave one out",
+        ),
+        (
+            {"overrun": "drop-result", "channels": 2},
+            '2 is not built with overrun = "drop-result": leave one out',
+        ),
+        ({"reset": "async", "channels": 2}, '2 is not built with reset = "async": leave one out'),
+        (
+            {"clock_enable": True, "channels": 2},
+            "2 is not built with clock_enable = true: leave one out",
+        ),
+        (
+            {"hardening": "detect", "channels": 2},
+            '2 is not built with hardening = "detect": leave one out',
+        ),
+    ],
+)
+def test_what_is_not_built_is_refused(hardware: dict[str, object], told: str):
+    data = {"preset": "stim300", "hardware": {"core": "compact", **hardware}}
+    with pytest.raises(InputError) as raised:
+        Design.parse(data)
+    assert str(raised.value) == f"design: hardware.channels: {told}"
+
+
+@pytest.mark.parametrize("further", [{"order": 3}, {"position": "high-resolution"}])
+def test_no_further_vectors(further: dict[str, object]):
+    data = {"preset": "stim300", "algorithm": further}
+    data["hardware"] = {"core": "compact", "channels": 2}
+    with pytest.raises(InputError, match=r"channels: 2 is not built with algorithm\.\w+ = .*out"):
+        Design.parse(data)
+
+
+@pytest.mark.parametrize("name", ["smallest", "taylor_3p3"])
+@pytest.mark.parametrize("channels", [2, 5])
+def test_channels_are_single_models(name: str, channels: int):
+    design = many(DESIGNS[name], channels)
+    given = samples(design, 40 * design.samples_per_major, seed=channels, restarts=0.02)
+    found = list(ChannelModel(design).run(given))
+    assert len(found) > 10
+    for channel in range(channels):
+        single = GoldenModel(DESIGNS[name])
+        expected = []
+        for sample in given:
+            if sample.channel != channel:
+                continue
+            if sample.restart:  # a model that has seen nothing
+                single = GoldenModel(DESIGNS[name])
+            result = single.step(sample.gyro, sample.accel, sample.fault)
+            expected += [] if result is None else [result]
+        assert [result for owner, result in found if owner == channel] == expected
+
+
+@pytest.mark.parametrize("chunk", [7, 64, 10_000])
+def test_the_fast_twin_in_any_chunks(chunk: int):
+    design = many(DESIGNS["taylor_3p3"], 5)
+    given = samples(design, 60 * design.samples_per_major, seed=3, restarts=0.01)
+    found = list(ChannelModel(design).run(given))
+    fast, blocks = FastChannels(design), []
+    for start in range(0, len(given), chunk):
+        part = given[start : start + chunk]
+        blocks.append(
+            fast.feed(
+                np.array([(*sample.gyro, *sample.accel) for sample in part]),
+                np.array([sample.channel for sample in part]),
+                np.array([sample.fault for sample in part]),
+                np.array([sample.restart for sample in part]),
+            )
+        )
+    block = VectorBlock.concatenate(blocks)
+    assert block.channels is not None
+    assert block.channels.tolist() == [channel for channel, _ in found]
+    assert list(block.rows()) == [result.row() for _, result in found]
+
+
+def test_a_loss_marks_its_own_channel_until_it_restarts():
+    model = ChannelModel(many(PLAIN, 3))
+    span = PLAIN.samples_per_major
+
+    def run(channel: int, restart: int = 0) -> int:
+        for i in range(span):
+            result = model.step(channel, (1, 2, 3), (4, 5, 6), 0, restart * (i == 0))
+        assert result is not None
+        return result.status & STATUS_LOST
+
+    model.lose(1)
+    assert [run(channel) for channel in range(3)] == [0, STATUS_LOST, 0]
+    assert run(1) == 0
+    model.lose(2)
+    assert run(2, restart=1) == 0
+
+
+def test_channels_that_are_not_there():
+    design = many(PLAIN, 3)
+    with pytest.raises(InputError, match="channel 3 is not there, give 0 to 2"):
+        ChannelModel(design).step(3, (0, 0, 0), (0, 0, 0))
+    with pytest.raises(InputError, match="sample 1: channel -1 is not there, give 0 to 2"):
+        FastChannels(design).feed(np.zeros((2, 6), int), np.array([0, -1]))
+    with pytest.raises(InputError, match="channel 2: sample 0: gyro_x = "):
+        FastChannels(design).feed(np.full((1, 6), 1 << 40), np.array([2]))
+    with pytest.raises(InputError, match="give 2 integers"):
+        FastChannels(design).feed(np.zeros((2, 6), int), np.array([0.0, 1.0]))
