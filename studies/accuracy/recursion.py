@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sculler_model.algorithms import frequency_taylor
 from sculler_model.analysis import frequency
 from sculler_model.analysis.advice import PER_HOUR
+from sculler_model.analysis.oscillation import Scull
 from sculler_model.analysis.vibration import G
 from sculler_model.frames import conjugate, from_rotation_vector, product, to_rotation_vector
 from sculler_model.motion import Coning
@@ -83,7 +84,7 @@ def recursion() -> Section:
             f"{number(float32_recursion_drift(a, hertz, T, span), 3)} °/h",
             "`accuracy.float32_recursion_drift`",
         )
-    motion = frequency.Scull(radians(0.1), 10.0)
+    motion = Scull(radians(0.1), 10.0)
     without = abs(float(frequency.uncorrected(motion, np.array([35.0]))[0])) / G * 1e6
     design = fine_design("frequency-taylor", 4, 0, 5, 2000.0)
     left = abs(float(frequency.drift(design, motion, np.array([35.0]))[0])) / G * 1e6

@@ -7,6 +7,7 @@ from math import radians
 from sculler_model.algorithms import frequency_taylor
 from sculler_model.analysis import frequency
 from sculler_model.analysis.closed_form import leading_term
+from sculler_model.analysis.oscillation import Cone
 from studies.accuracy.coning import coning_left, coning_whole, fine_design
 from studies.accuracy.section import Section, minus, number
 
@@ -32,7 +33,7 @@ def yang() -> Section:
         term = leading_term(frequency_taylor(n, p))
         constant = float(term.coefficient)
         design = fine_design("frequency-taylor", n, p, 1, 1 / T)
-        measured = frequency.law(design, frequency.Cone(radians(0.1)))
+        measured = frequency.law(design, Cone(radians(0.1)))
         section.add(
             f"n = {n}, p = {p}: first term left, a minor interval",
             f"λ^{2 * (n + p) - 1} matched",

@@ -11,6 +11,7 @@ from sculler_model.algorithms import filtered_rate
 from sculler_model.analysis import frequency
 from sculler_model.analysis.advice import PER_HOUR, coning_drift
 from sculler_model.analysis.closed_form import leading_term
+from sculler_model.analysis.oscillation import Cone
 from sculler_model.analysis.published import runge_kutta_residual, zeng_residual
 from sculler_model.frames import Quaternion, conjugate, product, to_rotation_vector
 from sculler_model.motion import Coning
@@ -205,7 +206,7 @@ def _sample_rows(section: Section, n: int) -> float:
     second = coning_left(table, HALF_ANGLE, HZ, T, "rate")
     whole = coning_whole(table, 1, HALF_ANGLE, HZ, T, "rate")
     design = fine_design("filtered-rate", n, 0, 1, 1 / T, "rate")
-    cone = frequency.Cone(HALF_ANGLE)
+    cone = Cone(HALF_ANGLE)
     point = frequency.integer_point(frequency.fine(design, cone, 50.0), cone, HZ)
     section.add(
         f"{n} samples, closed form", "", f"{number(second, 3)} °/h", "`closed_form.drift_rate`"

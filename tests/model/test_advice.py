@@ -32,6 +32,7 @@ from sculler_model.analysis.advice import (
 from sculler_model.analysis.closed_form import drift_rate
 from sculler_model.analysis.flight import Profile
 from sculler_model.analysis.integer_path import rotation_vectors, running_attitude, unquantised
+from sculler_model.analysis.oscillation import Cone
 from sculler_model.analysis.vibration import PROFILES, G, Mount, respond
 from sculler_model.design import Design, at_another_rate
 from sculler_model.errors import InputError
@@ -142,7 +143,7 @@ def test_coning_drift_is_that_of_the_integer_path(
             "algorithm": {"family": family, "samples": n, "history": p, "minors": M},
         }
     )
-    cone = frequency.Cone(radians(degree))
+    cone = Cone(radians(degree))
     point = frequency.integer_point(frequency.fine(design, cone, hertz + 1), cone, hertz)
     found = coning_drift(
         design.table, M, cone.half_angle, 2 * pi * point.hertz, 1e-3, design.sensor.kind

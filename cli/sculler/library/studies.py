@@ -8,6 +8,7 @@ import numpy as np
 
 from sculler_model.analysis import advice, frequency
 from sculler_model.analysis.advice import Candidate, Environment, Requirement
+from sculler_model.analysis.oscillation import Scull
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 
@@ -82,7 +83,7 @@ def sculling_drift(design: Design, angle: float, force: float, hertz: float) -> 
         True
     """
     _require_frequency(hertz)
-    motion = frequency.Scull(radians(angle), force)
+    motion = Scull(radians(angle), force)
     return float(frequency.drift(design, motion, np.array([float(hertz)]))[0])
 
 

@@ -12,29 +12,21 @@ began, so the drift is exact and not blurred by a ripple, and no phase of quanti
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from fractions import Fraction
-from math import cos, gcd, isfinite, log2, pi, sin
+from math import gcd, isfinite, log2, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.analysis import closed_form
 from sculler_model.analysis.drift import filtered_residual
-from sculler_model.analysis.integer_path import (
-    rotation_vectors,
-    running_attitude,
-    through_core,
-    with_fine_sensor,
-)
-from sculler_model.analysis.iteration import DEGREE, attitude_on
+from sculler_model.analysis.integer_path import through_core, with_fine_sensor
+from sculler_model.analysis.iteration import DEGREE
+from sculler_model.analysis.oscillation import Oscillation
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
-from sculler_model.frames import product, rotate
-from sculler_model.host import major_increments, second_order_corrections
-from sculler_model.motion import Coning, Sculling
 
 Array = NDArray[np.float64]
 
@@ -46,137 +38,6 @@ MOST_SAMPLES = 1_000_000
 
 RECORD_PERIODS = 7
 """Periods of a record, at least."""
-
-
-@dataclass(frozen=True)
-class Oscillation(ABC):
-    """A pure vibration of one frequency, by its two amplitudes.
-
-    `Cone` and `Scull` say what they are; drifts are rad/s and m/s² about and along z.
-    """
-
-    @abstractmethod
-    def amplitudes(self, omega: Array) -> Array:
-        """a·b of `closed_form` at Ω (rad/s)."""
-
-    @abstractmethod
-    def samples(self, design: Design, omega: float, count: int) -> Array:
-        """(count, 6) samples from time 0, as the design's sensor gives them."""
-
-    @abstractmethod
-    def peaks(self, design: Design, omega: float) -> tuple[float, float]:
-        """Bounds of gyro and accelerometer samples at Ω and below, for a fine sensor."""
-
-    @abstractmethod
-    def second_order(self, design: Design, block: VectorBlock) -> float:
-        """Drift times the record's time that the vectors of whole periods give, to 2nd order."""
-
-    @abstractmethod
-    def complete(self, design: Design, block: VectorBlock, omega: float, start: float) -> float:
-        """Drift times time of the host's attitude or velocity, minus truth, to all orders.
-
-        Args:
-            design: the design.
-            block: vectors over whole periods.
-            omega: Ω, rad/s.
-            start: time at which the block begins, s.
-        """
-
-
-@dataclass(frozen=True)
-class Cone(Oscillation):
-    """Classical coning about z (`motion.Coning`); half_angle in rad."""
-
-    half_angle: float
-
-    def amplitudes(self, omega: Array) -> Array:
-        """See `Oscillation`."""
-        return np.full_like(omega, sin(self.half_angle) ** 2)
-
-    def samples(self, design: Design, omega: float, count: int) -> Array:
-        """See `Oscillation`."""
-        motion, T = Coning(self.half_angle, omega), design.sample_interval
-        response = design.sensor_response
-        if design.sensor.kind == "increment":
-            samples = motion.increments(count, T)
-        else:
-            samples = motion.rates(count, T, 1, filtered=response is None)
-        if response is not None:  # both axes pass it alike, so its phase is only a later start
-            samples[:, :2] *= abs(response.value(omega * T))
-        return samples
-
-    def peaks(self, design: Design, omega: float) -> tuple[float, float]:
-        """See `Oscillation`."""
-        T = design.sample_interval
-        swing = 2 * sin(self.half_angle) * min(0.5 * omega * T, 1.0)
-        spin = 2 * omega * T * sin(self.half_angle / 2) ** 2
-        return (swing + spin) / (T if design.sensor.kind == "rate" else 1.0), 0.0
-
-    def second_order(self, design: Design, block: VectorBlock) -> float:
-        """See `Oscillation`."""
-        return float(second_order_corrections(design, block)[0][2])
-
-    def complete(self, design: Design, block: VectorBlock, omega: float, start: float) -> float:
-        """See `Oscillation`."""
-        increments = major_increments(design, block)
-        w, i, j, k = Coning(self.half_angle, omega).attitude(np.array([start])).T
-        x, y, z = rotation_vectors(running_attitude(increments.phi)[-1:]).T
-        turned = rotate((w, i, j, k), (x, y, z))[2].item()  # about the cone's axis
-        # the last LSB of the cone's constant rate waits in the quantiser: no drift, so taken off
-        seconds = len(block) * design.major_interval
-        constant = -2 * omega * sin(self.half_angle / 2) ** 2 * seconds
-        return float(turned - (increments.alpha[:, 2].sum() - constant))
-
-
-@dataclass(frozen=True)
-class Scull(Oscillation):
-    """Classical sculling (`motion.Sculling`): angle about x in rad, specific force along y."""
-
-    angle: float
-    force: float
-
-    def amplitudes(self, omega: Array) -> Array:
-        """See `Oscillation`."""
-        return self.angle * self.force / omega
-
-    def samples(self, design: Design, omega: float, count: int) -> Array:
-        """See `Oscillation`."""
-        motion, T = Sculling(self.angle, self.force, omega), design.sample_interval
-        response = design.sensor_response
-        gain = 1.0 if response is None else abs(response.value(omega * T))
-        if design.sensor.kind == "increment":
-            return gain * motion.increments(count, T)
-        if response is None:
-            gain = float(np.sinc(omega * T / (2 * pi)))
-        phase = omega * T * (1 + np.arange(count))
-        out = np.zeros((count, 6))
-        out[:, 0] = gain * self.angle * omega * np.cos(phase)
-        out[:, 4] = gain * self.force * np.sin(phase)
-        return out
-
-    def peaks(self, design: Design, omega: float) -> tuple[float, float]:
-        """See `Oscillation`."""
-        T = design.sample_interval
-        peaks = 2 * self.angle * min(0.5 * omega * T, 1.0), self.force * T
-        return (peaks[0] / T, peaks[1] / T) if design.sensor.kind == "rate" else peaks
-
-    def second_order(self, design: Design, block: VectorBlock) -> float:
-        """See `Oscillation`."""
-        return float(second_order_corrections(design, block)[1][2])
-
-    def complete(self, design: Design, block: VectorBlock, omega: float, start: float) -> float:
-        """See `Oscillation`."""
-        motion = Sculling(self.angle, self.force, omega)
-        increments = major_increments(design, block)
-        begin = 0.5 * self.angle * sin(omega * start)
-        first = np.array([[cos(begin), sin(begin), 0.0, 0.0]])
-        after = running_attitude(increments.phi)
-        q = np.concatenate((first, np.stack(product(tuple(first.T), tuple(after[:-1].T)), 1)))
-        w, i, j, k = q.T
-        x, y, z = increments.dv_sf.T
-        velocity = rotate((w, i, j, k), (x, y, z))[2].sum()
-        seconds = len(block) * design.major_interval
-        return float(velocity) - motion.mean_force * seconds
 
 
 @dataclass(frozen=True)
@@ -292,19 +153,18 @@ def integer_point(design: Design, vibration: Oscillation, hertz: float) -> Point
 
 
 def iteration_drift(
-    design: Design, cone: Cone, hertz: float, degree: int = DEGREE
+    design: Design, vibration: Oscillation, hertz: float, degree: int = DEGREE
 ) -> tuple[float, float]:
     """What the samples allow (`iteration`) at (nearly) a frequency, over the same record.
 
     Args:
         design: gives the samples and the record.
-        cone: the motion.
-        hertz: frequency of the cone.
+        vibration: the motion.
+        hertz: its frequency.
         degree: of the polynomial through the samples.
 
     Returns:
-        The frequency of whole periods, Hz, and the drift about the cone's axis, rad/s, computed
-        minus true.
+        The frequency of whole periods, Hz, and the drift, rad/s or m/s², computed minus true.
 
     Raises:
         InputError: the frequency is out of range.
@@ -312,12 +172,9 @@ def iteration_drift(
     periods, samples = record(design, hertz)
     rate = design.sensor.sample_rate_hz
     omega, edge = 2 * pi * periods * rate / samples, degree + 1
-    taken = cone.samples(design, omega, samples + 2 * edge)
-    last = attitude_on(design, taken, degree=degree, edge=edge)[-1:]
-    w, i, j, k = Coning(cone.half_angle, omega).attitude(np.array([edge / rate])).T
-    x, y, z = rotation_vectors(last).T
-    turned = rotate((w, i, j, k), (x, y, z))[2].item()  # about the cone's axis
-    return omega / (2 * pi), turned / (samples / rate)
+    taken = vibration.samples(design, omega, samples + 2 * edge)
+    drifted = vibration.iterated(design, taken, omega, degree, edge)
+    return omega / (2 * pi), drifted / (samples / rate)
 
 
 def fine(design: Design, vibration: Oscillation, highest_hertz: float) -> Design:

@@ -25,8 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.algorithms import TapTable
-from sculler_model.analysis.frequency import Cone, drift, record
+from sculler_model.analysis.frequency import drift, record
 from sculler_model.analysis.integer_path import changed
+from sculler_model.analysis.oscillation import Cone
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import FastModel, VectorBlock

@@ -13,9 +13,10 @@ import pytest
 from sculler.runs.analysis import PositionPlan, Subject, position_study
 from sculler_model.analysis.advice import Environment, Requirement, advise
 from sculler_model.analysis.flight import Profile, flown
-from sculler_model.analysis.frequency import Cone, drift
+from sculler_model.analysis.frequency import drift
 from sculler_model.analysis.manoeuvre import BUMP, EARLY, LATE, MANOEUVRES, Manoeuvre, split
 from sculler_model.analysis.orders import HeldConing, Manoeuvred, left_by_order
+from sculler_model.analysis.oscillation import Cone
 from sculler_model.analysis.position import Conditions, seen
 from sculler_model.analysis.triple import ConingTurn, left
 from sculler_model.design import Design

@@ -10,9 +10,6 @@ import pytest
 
 from host_path import attitude_error, chained, fine_design, through_core
 from sculler_model.analysis.frequency import (
-    Cone,
-    Oscillation,
-    Scull,
     drift,
     fine,
     fits,
@@ -21,6 +18,7 @@ from sculler_model.analysis.frequency import (
     record,
     uncorrected,
 )
+from sculler_model.analysis.oscillation import Cone, Oscillation, Scull
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.motion import Coning

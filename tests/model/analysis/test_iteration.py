@@ -11,16 +11,17 @@ from numpy.typing import NDArray
 
 import sculler
 from host_path import fine_design
-from sculler_model.analysis.frequency import Cone, drift, iteration_drift
+from sculler_model.analysis.frequency import drift, iteration_drift
 from sculler_model.analysis.integer_path import changed, rotation_vectors, running_attitude
 from sculler_model.analysis.iteration import attitude_on, iterated
 from sculler_model.analysis.manoeuvre import Manoeuvre, errors, true_attitude
 from sculler_model.analysis.orders import HeldConing, left_by_order
+from sculler_model.analysis.oscillation import Cone, Scull
 from sculler_model.analysis.triple import ConingTurn, left
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.frames import conjugate, product
-from sculler_model.motion import Coning
+from sculler_model.frames import conjugate, product, rotate
+from sculler_model.motion import Coning, SpinAccel
 
 Array = NDArray[np.float64]
 
@@ -92,6 +93,50 @@ def test_one_figure_whatever_the_intervals() -> None:
     assert np.array_equal(each[4::5], fifth)
     long = fine_design(16)  # more than 11: sample by sample
     assert np.abs(attitude_on(long, samples, degree=10)[4::5] - fifth[3::4]).max() < 1e-11
+
+
+def test_velocity_under_a_steady_force_in_a_steady_turn() -> None:
+    """The closed forms of `SpinAccel`, in one block and in many."""
+    spin, T = SpinAccel((0.9, -0.4, 3.3), (1.0, 20.0, -3.0)), 1e-2
+    samples = spin.increments(60, T)
+    end = spin.velocity(np.array([0.6]))[0]
+    (whole,) = iterated(samples, 60, degree=2)
+    assert whole[3:] == pytest.approx(end, rel=1e-12)
+    blocks = iterated(samples, 4, degree=4)
+    q = np.vstack(([1.0, 0, 0, 0], running_attitude(blocks[:, :3])[:-1]))
+    w, i, j, k = q.T
+    x, y, z = blocks[:, 3:].T
+    reached = [axis.sum() for axis in rotate((w, i, j, k), (x, y, z))]
+    assert reached == pytest.approx(end, rel=1e-12)
+
+
+def test_velocity_under_a_force_that_curves_while_the_axis_turns() -> None:
+    """Polynomials of both, held against Gauss and Legendre's rule on the quaternion's own."""
+    rate = [Polynomial(c) for c in ([1.0, -2.0, 3.0], [0.5, 4.0, -1.0], [-1.5, 1.0, 2.0])]
+    force = [Polynomial(c) for c in ([3.0, 1.0, -5.0], [-2.0, 8.0, 1.0], [9.0, -4.0, 2.0])]
+    times = np.linspace(0.0, 0.5, 21)
+    samples = np.stack([np.diff(p.integ()(times)) for p in (*rate, *force)], axis=1)
+    (found,) = iterated(samples, 20, degree=2)
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    at = 0.25 * (nodes + 1)
+    turning = Manoeuvre("cubic", 1.0, (rate[0], rate[1], rate[2]))
+    q = np.stack([true_attitude(turning, np.array([0.0, t]))[0] for t in at])
+    w, i, j, k = q.T
+    x, y, z = (p(at) for p in force)
+    expected = [0.25 * float(weights @ axis) for axis in rotate((w, i, j, k), (x, y, z))]
+    assert found[3:] == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize("kind", ["increment", "rate"])
+def test_sculling_of_a_slow_motion_to_rounding(kind: str) -> None:
+    """At a hundredth of the sample rate, against B J₁(A); near Nyquist the samples limit."""
+    design = fine_design(4, minors=5, kind=kind)
+    motion = Scull(radians(3.0), 10.0)
+    hertz, allowed = iteration_drift(design, motion, 20.0, 16)
+    assert hertz == pytest.approx(20, rel=1e-2)
+    assert abs(allowed) < 1e-10
+    _, none = iteration_drift(design, motion, 960.0)
+    assert abs(none) > 0.1
 
 
 REFUSED: dict[str, tuple[tuple[int, int], dict[str, int]]] = {

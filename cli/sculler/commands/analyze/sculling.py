@@ -37,6 +37,7 @@ from sculler.commands.options import analysis as options
     help="Amplitude of the specific force.",
 )
 @options.frequency_options("µg", ())
+@options.degree_option
 @options.picture_option
 @terminal.json_option
 def command(angle: float, force: float, output: Path | None, as_json: bool, **asked: Any) -> None:
@@ -44,7 +45,8 @@ def command(angle: float, force: float, output: Path | None, as_json: bool, **as
 
     The body rocks about x and feels a force along y in phase with it, which rectifies along z.  The
     error is computed minus true, in µg: by closed form, by the core's integers (second order), and
-    by the velocity that the host arrives at.
+    by the velocity that the host arrives at.  Beside them stands what the samples allow: attitude
+    and velocity iterated to convergence on a polynomial through them.
     """
     from sculler.runs.analysis import sculling
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from sculler.runs.analysis.subject import Subject
 from sculler.words import Advance, silent
 from sculler_model.analysis import frequency as analysis
+from sculler_model.analysis.oscillation import Cone, Oscillation, Scull
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import STANDARD_GRAVITY
@@ -39,7 +40,7 @@ class Kind:
     unit: str
     scale: float
     complete: str
-    vibration: analysis.Oscillation
+    vibration: Oscillation
 
 
 def coning(half_angle: float) -> Kind:
@@ -50,7 +51,7 @@ def coning(half_angle: float) -> Kind:
         "°/h",
         degrees(1) * 3600,
         "host's attitude",
-        analysis.Cone(radians(half_angle)),
+        Cone(radians(half_angle)),
     )
 
 
@@ -62,7 +63,7 @@ def sculling(angle: float, force: float) -> Kind:
         "µg",
         1e6 / STANDARD_GRAVITY,
         "host's velocity",
-        analysis.Scull(radians(angle), force),
+        Scull(radians(angle), force),
     )
 
 
@@ -78,7 +79,7 @@ class FrequencyPlan:
         points, integer_points: how many frequencies by closed form and through the integer path.
         fine: run designs, too, on a sensor so fine that it does not show.
         requirements: drifts in the kind's unit.
-        degree: of the polynomial that the samples of coning are iterated on; None for none.
+        degree: of the polynomial that the samples are iterated on; None for none.
 
     Raises:
         InputError: the band is empty for a design.
@@ -186,10 +187,9 @@ def _of_design(
 
 def _iterated(plan: FrequencyPlan, design: Design, hertz: float) -> dict[str, float]:
     """What the samples allow at a point's frequency, in the kind's unit."""
-    vibration = plan.kind.vibration
-    if plan.degree is None or not isinstance(vibration, analysis.Cone):
+    if plan.degree is None:
         return {}
-    drift = analysis.iteration_drift(design, vibration, hertz, plan.degree)[1]
+    drift = analysis.iteration_drift(design, plan.kind.vibration, hertz, plan.degree)[1]
     return {"iteration": plan.kind.scale * drift}
 
 

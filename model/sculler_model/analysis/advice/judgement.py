@@ -19,6 +19,7 @@ from sculler_model.analysis.advice.candidates import (
 from sculler_model.analysis.advice.coning import coning_drift
 from sculler_model.analysis.advice.cost import Cost, cost
 from sculler_model.analysis.advice.paths import Path, Paths
+from sculler_model.analysis.oscillation import Scull
 from sculler_model.analysis.vibration import (
     G,
     MountResponse,
@@ -297,7 +298,7 @@ class _Judge:
         e = self.environment
         if not e.sculling_angle:
             return None
-        motion = frequency.Scull(e.sculling_angle, e.sculling_force)
+        motion = Scull(e.sculling_angle, e.sculling_force)
         left = frequency.drift(design, motion, np.array([e.sculling_hertz]))
         return abs(float(left[0])) / G * 1e6
 
