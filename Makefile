@@ -8,6 +8,7 @@
 #   make lint    formatter, linter, type checker, import directions
 #   make bench   speeds, medians of several runs
 #   make accuracy  docs/explanation/accuracy.md and its pictures: the papers' figures beside ours
+#   make campaigns docs/explanation/campaign-speed.md: how long a thousand flights take, half an hour
 #   make budget    docs/explanation/error-budget.md: error budgets of 1 and 0.1 nmi/h flown, some minutes
 #   make buses     docs/explanation/bus-area.md: area and rate of each bus, some minutes
 #   make memories  docs/explanation/memories.md: which memories become block memory, some minutes
@@ -29,7 +30,7 @@ READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware budget buses memories host-c soc upsets evidence prove mutate release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware budget campaigns buses memories host-c soc upsets evidence prove mutate release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY) $(TOOLS)
@@ -131,6 +132,9 @@ accuracy: $(READY)
 
 hardware: $(READY)
 	$(BIN)/python -m studies.hardware
+
+campaigns: $(READY)
+	$(BIN)/python -m studies.campaigns
 
 budget: $(READY)
 	$(BIN)/python -m studies.budget

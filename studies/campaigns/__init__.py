@@ -1,0 +1,1 @@
+"""How long campaigns take, and what more workers are worth: `python -m studies.campaigns`."""
