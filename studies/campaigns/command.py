@@ -15,9 +15,10 @@ from studies.campaigns.measure import RATE, WARM, Timed, timed
 PAGE = "campaign-speed.md"
 
 _ABOUT = (
-    "`python -m studies.campaigns` (`make campaigns`) writes this page. Every run flies through imperfect sensors with all errors of the STIM300's data sheet, flicker"
-    " among them, counts, the core's integers and the navigator. What more workers are worth is"
-    " measured on fewer runs; the whole is flown by as many workers as were best."
+    "`python -m studies.campaigns` (`make campaigns`) writes this page. Every run flies through"
+    " imperfect sensors with all errors of the STIM300's data sheet, flicker too, counts, the"
+    " core's integers and the navigator. What more workers are worth is measured on fewer runs; the"
+    " whole is flown by as many workers as were best."
 )
 
 
