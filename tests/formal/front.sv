@@ -13,20 +13,20 @@ module top (input clk, input rst, `PINS input sample_ready);
   wire sck, cs_n, mosi;
   wire valid, fault;
   wire [`BITS-1:0] gx, gy, gz, ax, ay, az;
-  wire [31:0] taken, missed, late, faults;
+  wire [31:0] taken, bad, missed, late, faults;
   front front (
     .clk(clk), .rst(rst), `WIRE .sample_ready(sample_ready), .sample_valid(valid),
     .sample_gyro_x(gx), .sample_gyro_y(gy), .sample_gyro_z(gz),
     .sample_accel_x(ax), .sample_accel_y(ay), .sample_accel_z(az), .sample_fault(fault),
-    .frames_taken(taken), .frames_missed(missed), .frames_late(late),
+    .frames_taken(taken), .frames_bad(bad), .frames_missed(missed), .frames_late(late),
     .sensor_faults(faults)
   );
   wire [6*`BITS-1:0] counts = {gx, gy, gz, ax, ay, az};
   reg begun = 0, waits = 0, went = 0, was = 0;
   reg [6*`BITS-1:0] before;
   reg marked;
-  reg t, m, l, f;
-  wire [3:0] tops = {taken[31], missed[31], late[31], faults[31]};
+  reg [4:0] high;
+  wire [4:0] tops = {taken[31], bad[31], missed[31], late[31], faults[31]};
   always @(posedge clk) begin
     begun <= 1;
     was <= begun && !rst;
@@ -34,11 +34,11 @@ module top (input clk, input rst, `PINS input sample_ready);
     went <= begun && valid && sample_ready && !rst;
     before <= counts;
     marked <= fault;
-    {t, m, l, f} <= tops;
+    high <= tops;
     if (waits) stays: assert (valid && counts == before && fault == marked);
     if (went) falls: assert (!valid);
     if (was && counts != before) offers: assert (valid);
-    if (was) whole: assert (({t, m, l, f} & ~tops) == 0);
+    if (was) whole: assert ((high & ~tops) == 0);
     if (was && valid && !waits && !went) counted: assert (taken != 0 || missed != 0 || late != 0);
   end
 `ifdef SPI

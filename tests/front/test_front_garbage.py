@@ -78,6 +78,7 @@ def run_parts(link: Link, stream: list[tuple[int, int]], clocks: int) -> tuple[A
         sequence.frame_valid.eq(receiver.frame_valid),
         receiver.frame_ready.eq(sequence.frame_ready),
         sequence.fault.eq(receiver.fault),
+        sequence.broken.eq(receiver.broken),
         *(getattr(sequence, name).eq(getattr(receiver, name)) for name in plan.fields),
         sequence.sample_ready.eq(1),
     ]
@@ -86,22 +87,19 @@ def run_parts(link: Link, stream: list[tuple[int, int]], clocks: int) -> tuple[A
 
     async def bench(ctx: Any) -> None:
         line = dict(stream)
-        shown = [sequence.sample_valid, receiver.broken, *(getattr(sequence, n) for n in PORTS)]
-        names = [name for name in COUNTERS if name != "frames_bad"]
-        counted = [getattr(sequence, name) for name in (*names, "unused")]
+        shown = [sequence.sample_valid, *(getattr(sequence, n) for n in PORTS)]
+        counted = [getattr(sequence, name) for name in COUNTERS]
         ticks = ctx.tick().sample(*shown, sequence.sample_fault, *counted)
         ctx.set(receiver.data_valid, 0 in line)
-        now, broken = 0, 0
-        async for _, _, valid, bad, *rest in ticks:
-            broken += bad
+        now = 0
+        async for _, _, valid, *rest in ticks:
             if valid:
                 samples.append((tuple(rest[:6]), rest[6]))
             now += 1
             ctx.set(receiver.data_valid, now in line)
             ctx.set(receiver.data, line.get(now, 0))
             if now == clocks:
-                counters.update(zip(names, rest[7:], strict=False))
-                counters["frames_bad"] = broken + rest[-1]
+                counters.update(zip(COUNTERS, rest[7:], strict=True))
                 break
 
     assert isinstance(receiver, wiring.Component)

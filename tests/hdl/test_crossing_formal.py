@@ -32,7 +32,7 @@ DEPTH, WIDTH = 4, 2
 # a pointer's bits that change as the other clock comes are seen, each by itself, as they were
 _FLIP_FLOP = "    unsettled <= n1;"
 _UNSETTLED = (
-    ("  reg [2:0] unsettled;\n", "  reg [2:0] unsettled;\n  (* anyseq *) wire [2:0] seen_late;\n"
+    (" reg [2:0] unsettled;\n", " reg [2:0] unsettled;\n  (* anyseq *) wire [2:0] seen_late;\n"
      "  reg [2:0] was = 0;\n  always @($global_clock) was <= n1;\n"),
     (_FLIP_FLOP, "    unsettled <= n1 & ~seen_late | was & seen_late;"),
 )  # fmt: skip

@@ -106,7 +106,7 @@ def tidy(
     clocks = sorted(set(own) & {"clk", "rst"}) + sorted(filter(_OF_A_DOMAIN.fullmatch, own))
     first = [*ports, *(port for port in clocks if port not in ports)]
     order = [*first, *(port for port in own if port not in first)]
-    crossing = re.search(r"^  reg .*\bunsettled;$", found["body"], re.M) is not None
+    crossing = re.search(r"^  reg .*\bunsettled\b", found["body"], re.M) is not None
     heads: dict[str, str] = {}
     registers: list[str] = []
     starts: list[str] = []

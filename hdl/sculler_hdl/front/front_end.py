@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth import C, Module, Mux, Signal, signed, unsigned
+from amaranth import Module, signed, unsigned
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -10,11 +10,9 @@ from sculler_hdl.front.frames import FrameReceiver
 from sculler_hdl.front.sequence import SampleSequence
 from sculler_hdl.front.spi import WordReader
 from sculler_hdl.front.uart import UartReceiver
-from sculler_hdl.plan.front import FRONT_COUNTER_BITS, FrontPlan, front_ports, pin_ports
+from sculler_hdl.plan.front import FrontPlan, front_ports, pin_ports
 from sculler_model.design import Design
 from sculler_model.front import Uart
-
-_MOST = C((1 << FRONT_COUNTER_BITS) - 1)
 
 
 class FrontEnd(wiring.Component):
@@ -65,18 +63,12 @@ class FrontEnd(wiring.Component):
             sequence.frame_valid.eq(frames.frame_valid),
             frames.frame_ready.eq(sequence.frame_ready),
             sequence.fault.eq(frames.fault),
+            sequence.broken.eq(frames.broken),
             *(getattr(sequence, name).eq(getattr(frames, name)) for name in self.plan.fields),
             sequence.sample_ready.eq(
                 self.sample_ready & self.clk_en if self.enables else self.sample_ready
             ),
         ]
-        bad, total = Signal(FRONT_COUNTER_BITS), Signal(FRONT_COUNTER_BITS + 1)
-        m.d.comb += [
-            total.eq(bad + sequence.unused),
-            self.frames_bad.eq(Mux(total[-1], _MOST, total[:FRONT_COUNTER_BITS])),
-        ]
-        with m.If(frames.broken & ~bad.all()):
-            m.d.sync += bad.eq(bad + 1)
         shown = {port.name for port in front_ports(self.design) if port.output}
         for name in sequence.signature.members:
             if name in shown:

@@ -28,9 +28,9 @@ class SampleSequence(wiring.Component):
         data_valid (in): a byte comes.
         idle (in): no byte is yet to be looked at.
         frame_valid, frame_ready: a frame, with gyro_x ... accel_z, count, latency and fault.
+        broken (in): a frame has a wrong check.
         sample_valid, sample_ready: to the core, with the counts, `sample_fault`, `sample_latency`.
-        frames_taken, frames_missed, frames_late, sensor_faults, unused (out): counters; `unused`
-            counts frames that came after their placeholder.
+        frames_taken, frames_bad, frames_missed, frames_late, sensor_faults (out): counters.
 
     Args:
         design: gives the widths of the core's counts.
@@ -52,6 +52,7 @@ class SampleSequence(wiring.Component):
                 "frame_ready": Out(1),
                 **{name: In(unsigned(bits)) for name, bits in plan.field_bits.items()},
                 "fault": In(1),
+                "broken": In(1),
                 "sample_valid": Out(1),
                 "sample_ready": In(1),
                 **{f"sample_{name}": Out(signed(bits)) for name, bits in self.counts.items()},
@@ -70,10 +71,10 @@ class SampleSequence(wiring.Component):
         m.d.comb += self.frame_ready.eq(taken | unused)
         for counter, amount in (
             (self.frames_taken, taken),
+            (self.frames_bad, self.broken + unused),
             (self.frames_missed, missing),
             (self.frames_late, late),
             (self.sensor_faults, taken & fault),
-            (self.unused, unused),
         ):
             self._count(m, counter, amount)
         self._hand_over(m, taken, fault, missing, late)
@@ -205,4 +206,4 @@ class SampleSequence(wiring.Component):
                 m.d.sync += self.sample_latency.eq(kept_latency)
 
 
-_COUNTERS = ("frames_taken", "frames_missed", "frames_late", "sensor_faults", "unused")
+_COUNTERS = ("frames_taken", "frames_bad", "frames_missed", "frames_late", "sensor_faults")

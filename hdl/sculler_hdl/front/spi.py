@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from amaranth import C, Cat, Module, Mux, Signal, Value, unsigned
-from amaranth.lib import cdc, wiring
+from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from sculler_hdl.lib.crossing import Synchroniser
 from sculler_hdl.plan.front import FrontPlan
 from sculler_model.front import Spi
 
@@ -51,8 +52,14 @@ class WordReader(wiring.Component):
     def elaborate(self, platform: object) -> Module:
         m = Module()
         miso, ready, before = Signal(), Signal(), Signal()
-        m.submodules.miso_line = cdc.FFSynchronizer(self.miso, miso, reset_less=False)
-        m.submodules.ready_line = cdc.FFSynchronizer(self.data_ready, ready, reset_less=False)
+        m.submodules.miso_line = miso_line = Synchroniser(1)
+        m.submodules.ready_line = ready_line = Synchroniser(1)
+        m.d.comb += [
+            miso_line.data_in.eq(self.miso),
+            miso.eq(miso_line.data_out),
+            ready_line.data_in.eq(self.data_ready),
+            ready.eq(ready_line.data_out),
+        ]
         m.d.sync += before.eq(ready)
         bits = _WORD_BITS + 8 * self.plan.layout.longest
         clocks = Signal(range(max(self.plan.half_period, self.plan.pause)))

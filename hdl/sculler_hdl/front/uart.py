@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from amaranth import Cat, Module, Mux, Signal, Value, unsigned
-from amaranth.lib import cdc, wiring
+from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from sculler_hdl.lib.crossing import Synchroniser
 from sculler_hdl.plan.front import FrontPlan
 from sculler_model.front import Uart
 
@@ -44,8 +45,9 @@ class UartReceiver(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
+        m.submodules.line = line = Synchroniser(1, init=1)
         rx = Signal(init=1)
-        m.submodules.line = cdc.FFSynchronizer(self.rx, rx, init=1, reset_less=False)
+        m.d.comb += [line.data_in.eq(self.rx), rx.eq(line.data_out)]
         phase, turned, last_look, level = self._bit(m, rx)
         number = Signal(range(_DATA_BITS + 3))  # of the bit: 0 is the start bit
         odd = Signal()  # ones so far, of data and parity

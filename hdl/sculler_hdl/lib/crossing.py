@@ -19,17 +19,19 @@ class Synchroniser(wiring.Component):
     Args:
         width: bits.
         domain: the clock that they go to.
+        init: what they are after reset.
     """
 
-    def __init__(self, width: int, domain: str = "sync") -> None:
+    def __init__(self, width: int, domain: str = "sync", init: int = 0) -> None:
         self.width = width
         self.domain = domain
+        self.init = init
         super().__init__({"data_in": In(unsigned(width)), "data_out": Out(unsigned(width))})
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
-        unsettled = Signal(self.width, name="unsettled")
-        settled = Signal(self.width, name="settled")
+        unsettled = Signal(self.width, name="unsettled", init=self.init)
+        settled = Signal(self.width, name="settled", init=self.init)
         m.d[self.domain] += [unsettled.eq(self.data_in), settled.eq(unsettled)]
         m.d.comb += self.data_out.eq(settled)
         return m
