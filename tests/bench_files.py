@@ -7,7 +7,7 @@ import re
 import subprocess
 from pathlib import Path
 
-from sculler_hdl import timing
+from sculler_hdl import generate, timing
 from sculler_model.design import Design
 from sculler_sim.engines.verilator_build import emitted
 from sculler_sim.testbench import LEAST, Least, write_testbench
@@ -61,6 +61,17 @@ def run_bench(design: Design, folder: Path, least: Least = PLAIN) -> tuple[int, 
         assert (lost > 0) == can_stall
     assert (dropped > 0) == design.drops_results
     return results, samples, stalled
+
+
+def unit_sources(design: Design, folder: Path) -> list[Path]:
+    """All Verilog that `generate` makes of a design, in a folder; the core, its bus and so on."""
+    made = generate(design)
+    texts = {f"{design.name}.v": made.verilog, **made.further}
+    texts |= {f"{cell}.v": text for cell, text in made.cells.items()}
+    sources = [folder / name for name in texts if name.endswith(".v")]
+    for path in sources:
+        path.write_text(texts[path.name])
+    return sources
 
 
 def modules_of(verilog):

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from bench_files import unit_sources
 from cosim_runs import Simulator, require_cosim, run_cosim
 from register_facts import from_rdl
 from sculler_hdl import generate
@@ -109,14 +110,7 @@ def run_bench(
 ) -> None:
     """Compile the unit and run the tests of a module of `cosim`."""
     require_cosim(simulator)
-    made = generate(design)
-    sources = []
-    texts = {f"{design.name}.v": made.verilog, **made.further}
-    texts |= {f"{cell}.v": text for cell, text in made.cells.items()}
-    for name, text in texts.items():
-        if name.endswith(".v"):
-            sources.append(folder / name)
-            sources[-1].write_text(text)
+    sources = unit_sources(design, folder)
     run_cosim(sources, f"{design.name}_unit", module, job, folder, tests, simulator)
 
 

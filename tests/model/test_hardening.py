@@ -31,9 +31,9 @@ def test_off_is_left_unsaid():
             ' handover = "stream": leave that out, or give core = "compact"',
         ),
         (
-            {"core": "compact", "hardening": "recover", "bus": {"result": "axi-lite"}},
-            'hardware.hardening: "recover" is not built for a core with [hardware.bus]: leave one'
-            " out",
+            {"core": "pipelined", "hardening": "recover", "bus": {"result": "axi-lite"}},
+            'hardware.hardening: "recover" is not built for core = "pipelined" with'
+            ' [hardware.bus]: leave one out, or give core = "compact"',
         ),
         (
             {"core": "compact", "hardening": "always"},

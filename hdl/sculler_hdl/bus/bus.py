@@ -30,9 +30,9 @@ from sculler_hdl.plan.bus_ports import (
     the_bus,
 )
 from sculler_hdl.plan.ports import Port, reset_name, sample_ports
-from sculler_hdl.plan.registers import FRONT_COUNTERS, RegisterMap
+from sculler_hdl.plan.registers import FRONT_COUNTERS, RegisterMap, status_faults
 from sculler_hdl.plan.timing import timing
-from sculler_model.design import STATUS_BITS, Design
+from sculler_model.design import Design
 
 _CLOCKS = ("clk", "rst", "rst_n", "bus_clk", "bus_rst", "bus_rst_n")
 
@@ -203,7 +203,7 @@ class ResultBus(wiring.Component):
             registers.results_value.eq(results),
             registers.samples_lost_value.eq(self.core_samples_lost),
         ]
-        for bit, name in enumerate(("short_history", "fault", "rail", "lost")):
+        for bit, name in enumerate(status_faults(self.design)):
             told = getattr(registers, f"faults_{name}")
             m.d.comb += told.eq(store.stored & store.status[bit])
         if self.design.drops_results:
@@ -288,7 +288,7 @@ class ResultBus(wiring.Component):
                 Cat(word, last, status).eq(payload),
             ]
             return
-        queue = CrossingQueue(32 + 1 + STATUS_BITS, PACKET_CROSSING, "sync", "bus")
+        queue = CrossingQueue(32 + 1 + len(sender.status), PACKET_CROSSING, "sync", "bus")
         m.submodules.packet_crossing = queue
         m.d.comb += [
             queue.valid_in.eq(sender.valid),

@@ -7,7 +7,6 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.plan.result_window import ResultWindow
-from sculler_model.design import STATUS_BITS
 
 
 class PacketSender(wiring.Component):
@@ -41,7 +40,7 @@ class PacketSender(wiring.Component):
                 "ready": In(1),
                 "word": Out(unsigned(32)),
                 "last": Out(1),
-                "status": Out(unsigned(STATUS_BITS)),
+                "status": Out(unsigned(window.design.status_bits)),
             }
         )
 

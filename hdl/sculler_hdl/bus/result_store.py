@@ -11,7 +11,6 @@ from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.block_memory import memory_attributes
 from sculler_hdl.plan.result_window import ResultWindow
-from sculler_model.design import STATUS_BITS
 from sculler_model.golden import WORD_BITS
 from sculler_model.golden import words_per_column as core_words_per_column
 
@@ -61,7 +60,7 @@ class ResultStore(wiring.Component):
                 "number": Out(unsigned(WORD_BITS)),
                 "stamps": In(unsigned(32 * max(self.stamp_words, 1))),
                 "stored": Out(1),
-                "status": Out(unsigned(STATUS_BITS)),
+                "status": Out(unsigned(window.design.status_bits)),
                 "waiting": Out(range(depth + 1)),
                 "address": In(unsigned(self.index_bits)),
                 "read": In(1),

@@ -56,7 +56,7 @@ def bus_ports(design: Design) -> tuple[Port, ...]:
         *_sample_side(design),
         *_core_side(design),
         *_times(design),
-        *_host_side(bus),
+        *_host_side(design),
     )
 
 
@@ -112,6 +112,7 @@ def _core_side(design: Design) -> list[Port]:
     """The core's ports seen from outside it."""
     counters = counter_ports(design) if the_bus(design).has_registers else []
     names = {port.name for port in counter_ports(design)} - {port.name for port in counters}
+    names.add("upset")  # of a hardened core: it is a port of the unit
     core = [port for port in core_ports(design) if port.name not in names]
     return [
         Port(
@@ -127,9 +128,12 @@ def _times(design: Design) -> list[Port]:
     return [Port("pulse", 1, told="pulse per second, of any clock; its rising edge is stamped")]
 
 
-def own_bus_ports(kind: str) -> list[Port]:
+def own_bus_ports(kind: str, status_bits: int = STATUS_BITS) -> list[Port]:
     """Those of a kind of bus, by the names that its standard has for them."""
-    return [Port(name, bits, output=output, told=told) for name, bits, output, told in _LISTS[kind]]
+    return [
+        Port(name, status_bits if told == _STATUS else bits, output=output, told=told)
+        for name, bits, output, told in _LISTS[kind]
+    ]
 
 
 def unread_ports(kind: str) -> dict[str, Port]:
@@ -145,9 +149,10 @@ def unread_ports(kind: str) -> dict[str, Port]:
     }
 
 
-def _host_side(bus: Bus) -> list[Port]:
-    prefix = BUS_PREFIXES[bus.result]
-    ports = [port._replace(name=f"{prefix}{port.name}") for port in own_bus_ports(bus.result)]
+def _host_side(design: Design) -> list[Port]:
+    bus = the_bus(design)
+    prefix, own = BUS_PREFIXES[bus.result], own_bus_ports(bus.result, design.status_bits)
+    ports = [port._replace(name=f"{prefix}{port.name}") for port in own]
     if bus.has_registers:
         ports.append(Port("irq", 1, output=True, told="high while something waits that is enabled"))
     return ports
@@ -199,13 +204,15 @@ _APB: _Listed = [
     ("pslverr", 1, True, "the access was an error"),
 ]
 
+_STATUS = "status of the result, at each of its words"
+
 _AXI_STREAM: _Listed = [
     ("valid", 1, True, "a word of a result is shown"),
     ("ready", 1, False, "it is taken in this clock"),
     ("data", 32, True, "columns in order, least significant word first; then time stamps"),
     ("keep", 4, True, "bytes that count: all"),
     ("last", 1, True, "this word is the result's last"),
-    ("user", STATUS_BITS, True, "status of the result, at each of its words"),
+    ("user", STATUS_BITS, True, _STATUS),
 ]
 
 _STREAM: _Listed = [

@@ -14,7 +14,7 @@ from typing import Literal
 
 from sculler_hdl.plan.front import front_counter_ports
 from sculler_hdl.plan.result_window import ResultWindow
-from sculler_model.design import STATUS_BITS, Design, scales_hash
+from sculler_model.design import Design, scales_hash
 
 Access = Literal["r", "rw", "w1c", "pulse"]
 """How software sees a field: read only; read and write; read, and cleared where a one is written;
@@ -32,6 +32,11 @@ VERSION = 1 << 16
 
 FRONT_COUNTERS = tuple((port.name, port.told) for port in front_counter_ports())
 """The outputs of a sensor front end that count, of 32 bits each, and what they count."""
+
+
+def status_faults(design: Design) -> tuple[str, ...]:
+    """The bits of a result's status, by the names they have in the register `faults`."""
+    return ("short_history", "fault", "rail", "lost", "upset")[: design.status_bits]
 
 
 @dataclass(frozen=True)
@@ -196,8 +201,6 @@ class RegisterMap:
                 Field("waiting", 16, 11, "r", "results that wait"),
             ),
         )
-        faults = ("short_history", "fault", "rail", "lost")
-        assert len(faults) == STATUS_BITS
         yield Register(
             "faults",
             0x01C,
@@ -205,7 +208,7 @@ class RegisterMap:
             (
                 *(
                     Field(name, bit, 1, "w1c", f"a result had status bit {bit}", 0)
-                    for bit, name in enumerate(faults)
+                    for bit, name in enumerate(status_faults(self.design))
                 ),
                 Field("injection", 8, 1, "w1c", "a sample was pushed before the last was taken", 0),
             ),

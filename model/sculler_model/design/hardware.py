@@ -116,12 +116,12 @@ class Hardware(Part):
     def _hardening_is_built(cls, hardening: str | None, info: ValidationInfo) -> str | None:
         if hardening in (None, "off"):
             return None
-        for part in ("bus", "front"):
-            if info.data.get(part) is not None:
-                raise ValueError(
-                    f'"{hardening}" is not built for a core with [hardware.{part}]: leave one out'
-                )
         if info.data.get("core") == "pipelined":
+            if info.data.get("bus") is not None:
+                raise ValueError(
+                    f'"{hardening}" is not built for core = "pipelined" with [hardware.bus]: leave'
+                    ' one out, or give core = "compact"'
+                )
             for key, value in {"handover": "stream", "overrun": "drop-result"}.items():
                 if info.data.get(key) == value:
                     raise ValueError(
