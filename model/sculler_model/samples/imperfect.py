@@ -142,9 +142,12 @@ class _Markov:
         known = self._taken % self._hold != 0  # the first value is the latest one's
         fresh = self._next(last - first + 1 - known)
         values = np.vstack((self._state, fresh)) if known else fresh
-        place = (self._taken + np.arange(many)) // self._hold - first
-        self._state, self._taken = values[-1].copy(), self._taken + many
-        return values if self._hold == 1 else values[place]
+        begin, end = self._taken, self._taken + many
+        self._state, self._taken = values[-1].copy(), end
+        if self._hold == 1:
+            return values
+        changes = np.clip(self._hold * np.arange(first, last + 2), begin, end)
+        return np.repeat(values, changes[1:] - changes[:-1], axis=0)
 
     def _next(self, many: int) -> Array:
         """The next values, each of them worked out."""
@@ -155,7 +158,7 @@ class _Markov:
         # x_k = Σ φ^(k-j) w_j by doubling: after each round sums of twice as many are there
         reach = 1
         while reach < many and self._keep**reach > 1e-18:
-            values[reach:] += self._keep**reach * values[:-reach].copy()
+            values[reach:] += self._keep**reach * values[:-reach]
             reach *= 2
         return values
 
