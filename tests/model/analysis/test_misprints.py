@@ -1,13 +1,18 @@
-"""Savage's of docs/explanation/misprints.md: the right form holds, the printed one does not."""
+"""Savage's and Yang's of docs/explanation/misprints.md: the right form holds, the printed not."""
 
 from __future__ import annotations
 
-from math import cos, pi
+from math import cos, degrees, pi, radians
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from sculler_model.frames import from_rotation_vector, to_dcm
+from sculler_model.analysis.integer_path import rotation_vectors, running_attitude
+from sculler_model.frames import from_rotation_vector, rotate, to_dcm
+from sculler_model.motion import Coning, SpinAccel
+
+Array = NDArray[np.float64]
 
 G = 9.80665
 EARTH = 7.292115e-5
@@ -86,3 +91,51 @@ def test_savage_98_section_vi_flexure() -> None:
     omega = 2 * pi * 50
     assert G / omega**2 == pytest.approx(1e-4, rel=0.01)
     assert G * omega**2 == pytest.approx(970e3, rel=0.01)
+
+
+def minor_intervals(samples: Array, taps: list[float]) -> tuple[Array, Array]:
+    """θ of minor intervals of four samples (R, 3), and what their last one adds of products."""
+    whole = samples.reshape(-1, 4, 3)
+    back = sum(tap * whole[:, 3 - d] for d, tap in enumerate(taps, start=1))
+    return whole.sum(axis=1), np.cross(back, whole[:, 3])
+
+
+TAPS = [214 / 105, 92 / 105, 54 / 105]
+"""Yang Eq. 12 for n = 4, p = 0."""
+
+
+@pytest.mark.parametrize(("half", "left"), [(0.5, -0.11), (1.0, 2860.0)])
+def test_yang_19f_and_20a(half: float, left: float) -> None:
+    """Coning of 1° at 20 Hz, 1 kHz, M = 5: ½ of the products between minor intervals, or all."""
+    a, omega, majors = radians(1.0), 2 * pi * 20.0, 50  # a second: 20 whole periods
+    motion = Coning(a, omega)
+    theta, within = minor_intervals(motion.increments(majors * 20, 1e-3)[:, :3], TAPS)
+    alpha = np.cumsum(theta.reshape(majors, 5, 3), axis=1)
+    between = np.cross(alpha[:, :-1], theta.reshape(majors, 5, 3)[:, 1:]).sum(axis=1)
+    phi = alpha[:, -1] + within.reshape(majors, 5, 3).sum(axis=1) + half * between
+    w, i, j, k = motion.attitude(np.zeros(1)).T
+    x, y, z = rotation_vectors(running_attitude(phi)[-1:]).T
+    turned = float(rotate((w, i, j, k), (x, y, z))[2].item())  # about the cone's axis
+    assert degrees(turned) * 3600 == pytest.approx(left, rel=0.05)
+
+
+@pytest.mark.parametrize("complete", [True, False])
+def test_yang_18_and_20b(complete: bool) -> None:
+    """1 rad/s with 30 m/s², 2 kHz, n = 4, M = 5: each minor ΔV is in its own body axes."""
+    T, majors = 5e-4, 100
+    spin = SpinAccel((0.0, 0.0, 1.0), (30.0, 0.0, 0.0))
+    samples = spin.increments(majors * 20, T)
+    theta, dv = (part.reshape(majors, 5, 4, 3).sum(axis=2) for part in np.split(samples, 2, 1))
+    each = dv + 0.5 * np.cross(theta, dv)
+    alpha = np.cumsum(theta, axis=1)
+    summed = each.sum(axis=1)
+    if complete:  # between minor intervals: the turn since the major interval's start
+        summed = summed + np.cross(alpha[:, :-1], dv[:, 1:]).sum(axis=1)
+    starts = np.concatenate(([[1.0, 0, 0, 0]], running_attitude(alpha[:, -1])[:-1]))
+    w, i, j, k = starts.T
+    x, y, z = summed.T
+    reached = [float(axis.sum()) for axis in rotate((w, i, j, k), (x, y, z))]
+    end = majors * 20 * T
+    error = np.array(reached) - spin.velocity(np.array([end]))[0]
+    a_second = float(np.linalg.norm(error)) / end
+    assert a_second < 1e-3 if complete else a_second == pytest.approx(0.12, rel=0.05)
