@@ -13,8 +13,8 @@ from sculler_hdl import counter_ports, timing
 from sculler_hdl.compact import core as compact_core
 from sculler_hdl.compact import engine as compact_engine
 from sculler_hdl.compact.core import CompactCore
-from sculler_hdl.compact.memory import BlockMemory, _initial_row
 from sculler_hdl.compact.multiplier import DigitMultiplier
+from sculler_hdl.lib.memory import BlockMemory, _initial_row
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.targets import TARGETS
 from sculler_model.design import Design

@@ -8,9 +8,7 @@ import pytest
 from higher_order_designs import HIGHER_ORDER
 from sculler_hdl.plan.compact.interpreter import Interpreter
 from sculler_hdl.plan.compact.plan import plan_compact
-from sculler_hdl.plan.pipelined import plan_pipelined
 from sculler_model.design import Design
-from sculler_model.errors import InputError
 from sculler_model.golden import GoldenModel, to_words
 from strategies import random_counts
 from tiers import few_of
@@ -46,13 +44,3 @@ def test_costs_that_the_docs_name() -> None:
         )
         clocks[order] = max(plan_compact(design).timing.work)
     assert clocks == {2: 329, 3: 1640, 4: 3769}
-
-
-def test_pipelined_core_refuses() -> None:
-    design = Design.preset("stim300", order=3)
-    with pytest.raises(InputError) as fault:
-        plan_pipelined(design)
-    assert str(fault.value) == (
-        "hardware.core: the pipelined core has no algorithm.order = 3, give core ="
-        ' "compact" or leave order out'
-    )

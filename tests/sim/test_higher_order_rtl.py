@@ -13,12 +13,31 @@ from tiers import few_of
 
 pytestmark = pytest.mark.usefixtures("verilator")
 
-FORMS = HIGHER_ORDER | {
-    "one_sample-ecp5": with_hardware(HIGHER_ORDER["one_sample"], core="compact", target="ecp5"),
-    "fourth_order-ice40": with_hardware(
-        HIGHER_ORDER["fourth_order"], core="compact", target="ice40"
-    ),
-    "two_samples-serial": with_hardware(HIGHER_ORDER["two_samples"], core="compact", multipliers=0),
+PIPELINED = [
+    *((name, {}) for name in HIGHER_ORDER),
+    ("third_order", {"target": "ecp5"}),
+    ("three_alone", {"target": "ecp5"}),
+    # three axes in turn
+    ("fourth_order", {"target": "ecp5", "multipliers": 28}),
+    ("two_samples", {"target": "ice40", "multipliers": 12}),
+    ("third_order", {"handover": "stream"}),
+    ("three_alone", {"handover": "stream", "overrun": "drop-result"}),
+    ("two_samples", {"overrun": "drop-result"}),
+    ("one_sample", {"reset": "async", "clock_enable": True}),
+    ("dense", {"initial": False}),
+]
+COMPACT = [
+    *((name, {}) for name in HIGHER_ORDER),
+    ("one_sample", {"target": "ecp5"}),
+    ("fourth_order", {"target": "ice40"}),
+    ("two_samples", {"multipliers": 0}),
+]
+FORMS = {
+    "-".join([name, core, *map(str, hardware.values())]): with_hardware(
+        HIGHER_ORDER[name], core=core, **hardware
+    )
+    for core, forms in (("compact", COMPACT), ("pipelined", PIPELINED))
+    for name, hardware in forms
 }
 EACH = pytest.mark.parametrize("design", few_of(FORMS, []))
 

@@ -13,10 +13,10 @@ from amaranth.lib.wiring import In, Out
 from sculler_hdl.compact.control import Control
 from sculler_hdl.compact.engine import Engine
 from sculler_hdl.compact.loader import Loader
-from sculler_hdl.compact.memory import BlockMemory
 from sculler_hdl.compact.reader import Reader
 from sculler_hdl.lib.layout import plain_members
 from sculler_hdl.lib.losses import Losses, emit_event_counter
+from sculler_hdl.lib.memory import BlockMemory
 from sculler_hdl.plan.compact.digits import OPERAND
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.plan.ports import counter_ports

@@ -15,9 +15,9 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.compact.control import CONDITIONS
-from sculler_hdl.compact.memory import BlockMemory
 from sculler_hdl.compact.multiplier import DigitMultiplier
 from sculler_hdl.lib.delay import ControlDelay
+from sculler_hdl.lib.memory import BlockMemory
 from sculler_hdl.plan.compact.digits import OPERAND
 from sculler_hdl.plan.compact.instructions import When
 from sculler_hdl.plan.compact.plan import CompactPlan

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from sculler_hdl.lib.adder import add
 from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
 from sculler_hdl.plan.accumulator import AccumulatorPlan
-from sculler_hdl.plan.arrival import later, limbs
+from sculler_hdl.plan.arrival import at_once, later, limbs
 
 
 class Accumulator(wiring.Component):
@@ -19,6 +19,8 @@ class Accumulator(wiring.Component):
 
     Members:
         step, last, carry: at `plan.clock`.  `carry`, if there are `signs`, is added to the sum.
+        initial, if the plan has it (`plan.clock`): what a sum starts from, in its first
+            step, else 0.
         input: as it arrives.
         before: the present sum as the step finds it, as `plan.before_arrival` says.
         newest: the sum that the step made, from `plan.arrival` to the next step.
@@ -38,6 +40,7 @@ class Accumulator(wiring.Component):
                 "step": In(1),
                 "last": In(1),
                 "carry": In(1),
+                **({"initial": In(plan.total.bits)} if plan.initial else {}),
                 "input": In(plan.item.bits),
                 "before": Out(plan.before.bits),
                 "newest": Out(plan.total.bits),
@@ -53,6 +56,10 @@ class Accumulator(wiring.Component):
         restart = ~held if self.inverted else held
         restarts = ControlDelay(m, "restart", restart, plan.clock, inverted=self.inverted)
 
+        initial = None
+        if plan.initial:
+            bits = at_once(plan.total.bits, plan.clock)
+            initial = SkewedSignal(m, "initial", self.initial, bits)
         # the newest sum goes round through `sums` - 1 registers more
         before: list[Value] = []
         for q, lo, hi in limbs(plan.total.bits, plan.limb):
@@ -67,6 +74,8 @@ class Accumulator(wiring.Component):
                 register = Signal(hi - lo, name=f"waiting_{q}", reset_less=True)
                 m.d.sync += register.eq(present)
                 present = register
+            if initial is not None:  # the present sum is 0 where this is not
+                present = present | initial.slice_at(lo, hi, plan.clock + q)
             before.append(present)
         found = SkewedSignal(m, "before", Cat(*before), later(plan.arrival, -1 - plan.early))
         made = add(

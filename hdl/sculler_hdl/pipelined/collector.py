@@ -42,6 +42,21 @@ class Piece(NamedTuple):
     bits: Value
 
 
+class Renewed(ControlDelay):
+    """A flag that comes once more, much later, and goes on from there: no register between.
+
+    Args:
+        early, late: the flag, and the same when it comes once more.
+    """
+
+    def __init__(self, early: ControlDelay, late: ControlDelay) -> None:
+        self.early, self.late = early, late
+
+    def at_clock(self, clock: int) -> Value:
+        """The flag at a clock."""
+        return (self.late if clock >= self.late.clock else self.early).at_clock(clock)
+
+
 class Lines:
     """A flag that moves data: one line for each array, one for the rest.
 
@@ -49,8 +64,17 @@ class Lines:
     but before anything of the next result is.
     """
 
-    def __init__(self, m: Module, name: str, value: Value, clock: int = 0) -> None:
+    def __init__(
+        self,
+        m: Module,
+        name: str,
+        value: Value,
+        clock: int = 0,
+        late: ControlDelay | None = None,
+    ) -> None:
         self.rest = ControlDelay(m, name, value, clock, inverted=True)
+        if late is not None:
+            self.rest = Renewed(self.rest, late)
         self._by_origin = {
             Origin.WITHIN: ControlDelay(
                 m, f"{name}_within", value, clock, inverted=True, cleared=False
@@ -71,15 +95,21 @@ class Collector:
         m: the module, which gets the registers.
         plan: when the bits come.
         major_end: a result comes, at `plan.clock`.
+        late: the same at `plan.late`, if there is such a clock.
 
     Attributes:
         takes: `major_end` at later clocks.
     """
 
-    def __init__(self, m: Module, plan: HandOverPlan, major_end: Value) -> None:
+    def __init__(
+        self, m: Module, plan: HandOverPlan, major_end: Value, late: Value | None = None
+    ) -> None:
         self.m = m
         self.plan = plan
-        self.takes = Lines(m, "takes", major_end, plan.clock)
+        renewed = None
+        if late is not None and plan.late is not None:
+            renewed = ControlDelay(m, "takes_late", late, plan.late, inverted=True)
+        self.takes = Lines(m, "takes", major_end, plan.clock, renewed)
 
     def status(self, status: Value, rail: Value) -> list[Piece]:
         """Each bit of the status; the rails' comes later."""

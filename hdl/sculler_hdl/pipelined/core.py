@@ -156,6 +156,8 @@ class PipelinedCore(wiring.Component):
             handover.status.eq(Cat(short, fault, 0, lost)),
             handover.rail.eq(rail),
         ]
+        if datapath.finishing is not None:
+            m.d.comb += handover.late.eq(datapath.finishing)
 
     def _results(self, m: Module, ended: ControlDelay) -> None:
         """From the hand-over to the ports."""

@@ -9,7 +9,8 @@
 theta and v are a WeightedSum each, or a RunningSum if all samples weigh the same.
 
 High-resolution position is a part beside all this (`Position`), with an array of its own that works
-at every sample.
+at every sample.  Third and fourth order are another (`VectorEngine`), which takes the sums that all
+this makes of a minor interval, and is done with them before the next ones come.
 
 The clocks are those of `Schedule`.
 """
@@ -18,7 +19,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from amaranth import Module, Value
+from amaranth import Module, Signal, Value
 from amaranth.lib import data
 
 from sculler_hdl.lib.accumulator import Accumulator
@@ -29,9 +30,13 @@ from sculler_hdl.pipelined.cross_array import CrossArray
 from sculler_hdl.pipelined.position import Position
 from sculler_hdl.pipelined.samples import SampleRegisters
 from sculler_hdl.pipelined.sequencer import Sequencer
-from sculler_hdl.plan.arrival import at_once
+from sculler_hdl.pipelined.vector_engine import VectorEngine
+from sculler_hdl.pipelined.vector_loader import VectorLoader
+from sculler_hdl.plan.arrival import at_once, later
 from sculler_hdl.plan.running_sum import RunningSumPlan
 from sculler_hdl.plan.schedule import MINOR_CLOCK, POSITION_CLOCK, TAP_CLOCK, Schedule
+from sculler_hdl.plan.vector.engine import RESULTS, VectorEnginePlan
+from sculler_hdl.plan.vector.page import HALVES
 from sculler_hdl.plan.weighted_sum import WeightedSumPlan
 from sculler_model.design import AXES, HIGH_RESOLUTION_VECTORS
 
@@ -65,6 +70,7 @@ class Datapath:
     Attributes:
         control: the flags of a sample, by sensor.
         samples: the newest sample in registers.
+        finishing: the results of the vector engine come, if there is one.
     """
 
     def __init__(
@@ -96,6 +102,7 @@ class Datapath:
         self.samples = SampleRegisters(m, counts)
         phase = sequencer.phase
         self.phase = SkewedSignal(m, "phase", phase, at_once(len(phase), TAP_CLOCK))
+        self.finishing: Value | None = None
 
     def emit(self) -> None:
         """Put everything in."""
@@ -113,6 +120,14 @@ class Datapath:
         if "between" in schedule.arrays:
             self._array("between", (alpha, nu, theta, v), self.sequencer.minor_end)
         self._position()
+        if schedule.engine is not None:
+            loads: dict[str, tuple[Vector, ...]] = {"theta": (theta, v), "alpha": (alpha, nu)}
+            for place in schedule.arrays:
+                loads[place] = tuple(
+                    [self.results[f"{kind}_{place}"][i] for i in range(3)]
+                    for kind in ("coning", "sculling")
+                )
+            self._engine(schedule.engine, loads)
 
     def _weighted_sum(self, name: str, plan: WeightedSumPlan, sensor: str, clock: int) -> Vector:
         """A weighted sum of a sensor's samples, which takes them at a clock."""
@@ -191,3 +206,53 @@ class Datapath:
         for i, lane in enumerate(plan.lanes):
             for name, component in zip(HIGH_RESOLUTION_VECTORS, (i, i, lane), strict=True):
                 m.d.comb += self.results[name][i].eq(getattr(position, name)[component])
+
+    def _engine(self, plan: VectorEnginePlan, given: dict[str, tuple[Vector, ...]]) -> None:
+        """Third and fourth order, of what is given: angles and velocities by name."""
+        m, control = self.m, self.control["gyro"]
+        start = self.schedule.engine_clock
+        m.submodules.engine = engine = VectorEngine(plan, primitive=self.primitive)
+        begins = Signal(init=1, name="engine_first")  # the next minor interval begins a major one
+        starts = control.minor_end.at_clock(start)
+        ends_major = control.major_end.at_clock(start)
+        with m.If(starts):
+            m.d.sync += begins.eq(ends_major)
+        m.d.comb += [
+            engine.taken.eq(control.taken.at_clock(MINOR_CLOCK)),
+            engine.ends_minor.eq(control.minor_end.at_clock(MINOR_CLOCK)),
+            engine.phase.eq(self.phase.at_clock(MINOR_CLOCK)),
+            engine.start.eq(starts),
+            engine.first.eq(begins),
+            engine.ends_major.eq(ends_major),
+        ]
+        for late, sensor in enumerate(("gyro", "accel")):
+            for i, count in enumerate(self.samples.at_clock(sensor, MINOR_CLOCK + late)):
+                m.d.comb += getattr(engine, sensor)[i].eq(count)
+        for side in plan.loads:
+            self._loader(engine, side, given)
+        for target in plan.sums:
+            for i in range(3):
+                total = engine.totals[i if plan.lanes == 3 else 0]
+                m.d.comb += self.results[RESULTS[target]][i].eq(total)
+        self.finishing = engine.finishing
+
+    def _loader(
+        self, engine: VectorEngine, side: str, given: dict[str, tuple[Vector, ...]]
+    ) -> None:
+        """What the engine loads on a side."""
+        m, names = self.m, engine.plan.loads[side]
+        arrivals = self.schedule.loads(engine.plan)
+        come = [arrivals[name] for name in names]
+        first = min(clock for three in come for one in three for _, clock in one)
+        for i, axis in enumerate(AXES):
+            loader = VectorLoader([later(three[i], -first) for three in come])
+            m.submodules[f"engine_{side}_{axis}"] = loader
+            m.d.comb += [
+                loader.load.eq(self.control["gyro"].minor_end.at_clock(first)),
+                loader.shift.eq(engine.shift),
+                getattr(engine, f"{side}_words")[i].eq(loader.output),
+            ]
+            for number, name in enumerate(names):
+                letter, half = name.split(".")
+                word = given[letter][HALVES.index(half)][i]
+                m.d.comb += getattr(loader, f"word{number}").eq(word)

@@ -35,7 +35,8 @@ class HandOver(wiring.Component):
 
     Members:
         claim (clock `plan.moves.claim`): the result of a major interval will be on its way.
-        major_end (clock `plan.clock`): it is.
+        major_end (clock `plan.clock`): it is; late (clock `plan.late`), if there is that clock:
+            once more.
         status (clock `plan.status_clock`): its status but for bit 2; rail (`RAIL_DELAY` later):
             that.
         input: the bits of its components, as `plan.arrivals` says.
@@ -60,6 +61,7 @@ class HandOver(wiring.Component):
             {
                 "claim": In(1),
                 "major_end": In(1),
+                **({"late": In(1)} if plan.late is not None else {}),
                 "status": In(STATUS_BITS),
                 "rail": In(1),
                 "input": In(layout),
@@ -76,7 +78,7 @@ class HandOver(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
-        collector = Collector(m, plan, self.major_end)
+        collector = Collector(m, plan, self.major_end, self.late if plan.late is not None else None)
         m.d.comb += self.taken.eq(self.valid & self.ready)
         was_taken = Signal()
         m.d.sync += was_taken.eq(self.taken)

@@ -29,7 +29,8 @@ class StreamHandOver(wiring.Component):
 
     Members:
         claim (clock `plan.moves.claim`): the result of a major interval will be on its way.
-        major_end (clock `plan.clock`): it is.
+        major_end (clock `plan.clock`): it is; late (clock `plan.late`), if there is that clock:
+            once more.
         status (clock `plan.status_clock`): its status but for bit 2; rail (`RAIL_DELAY` later):
             that.
         input: the bits of its components, as `plan.arrivals` says.
@@ -56,6 +57,7 @@ class StreamHandOver(wiring.Component):
             {
                 "claim": In(1),
                 "major_end": In(1),
+                **({"late": In(1)} if plan.late is not None else {}),
                 "status": In(STATUS_BITS),
                 "rail": In(1),
                 "input": In(result_layout(plan)),
@@ -70,7 +72,7 @@ class StreamHandOver(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
-        collector = Collector(m, plan, self.major_end)
+        collector = Collector(m, plan, self.major_end, self.late if plan.late is not None else None)
         count = len(self.columns) * self.column_words
         words = [
             self.data,

@@ -16,6 +16,7 @@ class AccumulatorPlan:
         gap: clocks from one step to the next, at least.
         sums: 1 or 3.
         signs: whether some inputs are to be subtracted; those come inverted, with `carry`.
+        initial: whether a sum may start from something else than 0.
 
     Attributes:
         clock: at which `step` is looked at.
@@ -35,6 +36,7 @@ class AccumulatorPlan:
         gap: int = 1,
         *,
         signs: bool = False,
+        initial: bool = False,
     ) -> None:
         if sums not in (1, 3):
             raise ValueError(f"an accumulator makes 1 or 3 sums, not {sums}")
@@ -45,6 +47,7 @@ class AccumulatorPlan:
         self.sums = sums
         self.gap = gap
         self.signs = signs
+        self.initial = initial
         # where steps are far apart the adder is given registers of its own before it
         self.early = int(sums == 1 and gap > 2)
         self.clock = first_limb_clock(arrival, limb) + self.early

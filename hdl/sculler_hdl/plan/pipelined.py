@@ -15,7 +15,14 @@ from itertools import product
 
 from sculler_hdl.plan.cross_array import FOLDINGS
 from sculler_hdl.plan.multiplier import RESIDUE_BITS
-from sculler_hdl.plan.schedule import AdderTiming, Configuration, Schedule, launch_gap
+from sculler_hdl.plan.schedule import (
+    AdderTiming,
+    Configuration,
+    Schedule,
+    launch_gap,
+    vector_engine,
+)
+from sculler_hdl.plan.vector.engine import TURNS
 from sculler_hdl.targets import TARGETS
 from sculler_model.design import Design
 from sculler_model.errors import InputError
@@ -54,7 +61,8 @@ class PipelinedPlan:
         """Product units, of one or several blocks each."""
         made = self.configuration
         arrays = (made.within, made.between, made.position)
-        return sum(folding.units for folding in arrays if folding is not None)
+        lanes = self.schedule.engine.lanes if self.schedule.engine else 0
+        return lanes + sum(folding.units for folding in arrays if folding is not None)
 
     @property
     def resources(self) -> dict[str, int]:
@@ -71,18 +79,18 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
     Then additions are given as much time as the latency goal and the pace of results allow.
 
     Raises:
-        InputError: `hardware.multipliers` are too few for any folding, or the design's order is
-            above 2, which this core cannot form.
+        InputError: `hardware.multipliers` are too few for any folding, or an order above 2 is to be
+            hardened.
     """
-    if design.order > 2:
+    if design.order > 2 and design.hardware.hardening is not None:
         raise InputError(
-            f"hardware.core: the pipelined core has no algorithm.order = {design.order}, give"
-            ' core = "compact" or leave order out'
+            f'hardware.hardening: "{design.hardware.hardening}" is not built for core = "pipelined"'
+            f' with algorithm.order = {design.order}: leave one out, or give core = "compact"'
         )
     budget, goal = design.hardware.multipliers, _latency_goal(design)
     lengths = TARGETS[design.hardware.target].limb_bits
     made: dict[Configuration, Schedule] = {}
-    for spacing in range(1, FOLDINGS[-1].steps + 1):
+    for spacing in _spacings(design):
         for configuration in _configurations(design, spacing):
             if configuration not in made:
                 made[configuration] = Schedule(design, configuration)
@@ -112,6 +120,23 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
     )
 
 
+def _engines(design: Design) -> dict[int, int]:
+    """The fewest clocks per sample that each kind of vector engine takes, by its turns."""
+    if design.order == 2:
+        return {}
+    target, samples = TARGETS[design.hardware.target], design.algorithm.samples
+    return {turns: -(-vector_engine(design, target, turns).period // samples) for turns in TURNS}
+
+
+def _spacings(design: Design) -> Sequence[int]:
+    """The clocks per sample to be looked at, fewest first."""
+    last = FOLDINGS[-1].steps
+    engines = _engines(design).values()
+    if not engines:
+        return range(1, last + 1)
+    return sorted({*engines, max(*engines, last)})
+
+
 def _configurations(design: Design, spacing: int) -> Iterator[Configuration]:
     """Those that keep the pace of samples so many clocks apart, with additions in one clock."""
     longest = TARGETS[design.hardware.target].limb_bits[0]
@@ -123,12 +148,16 @@ def _configurations(design: Design, spacing: int) -> Iterator[Configuration]:
     betweens = [folding for folding in FOLDINGS if folding.steps <= between_gap]
     # launched at every sample, so it has the sample's clocks and no reason to take fewer
     position = [folding for folding in FOLDINGS if folding.steps <= spacing][-1:]
+    engines: list[int | None] = [
+        turns for turns, least in _engines(design).items() if least <= spacing
+    ]
     choices = product(
         withins,
         betweens if design.algorithm.minors > 1 else [None],
         position if design.high_resolution else [None],
         RESIDUE_BITS,
         [hurried],
+        engines or [None],
     )
     return map(Configuration._make, choices)
 
@@ -154,4 +183,7 @@ def _slowest(
 
 
 def _latency_goal(design: Design) -> int:
+    if design.order > 2:  # the vector engine takes most of it
+        slowest = vector_engine(design, TARGETS[design.hardware.target], max(TURNS))
+        return LATENCY_GOAL + slowest.period
     return POSITION_LATENCY_GOAL if design.high_resolution else LATENCY_GOAL

@@ -150,6 +150,10 @@ _VECTOR_MEANINGS = {
     "s_alpha": "integral of the angle sum over the sample interval, over 12",
     "s_nu": "integral of the velocity sum over the sample interval, over 12",
     "scrolling": "scrolling over the sample interval, over 4320",
+    "coning_third": "coning of third order over D3",
+    "sculling_third": "sculling of third order over D3",
+    "coning_fourth": "coning of fourth order over D4",
+    "sculling_fourth": "sculling of fourth order over D4",
 }
 
 

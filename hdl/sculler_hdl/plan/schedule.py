@@ -18,6 +18,7 @@ from sculler_hdl.plan.cross_array import CrossArrayPlan, Folding, Operand
 from sculler_hdl.plan.position import PositionPlan
 from sculler_hdl.plan.running_sum import RunningSumPlan
 from sculler_hdl.plan.transfer import RAIL_DELAY, HandOverPlan
+from sculler_hdl.plan.vector.engine import RESULTS, VectorEnginePlan
 from sculler_hdl.plan.weighted_sum import Rows, WeightedSumPlan
 from sculler_hdl.targets import TARGETS
 from sculler_model.algorithms import TapTable
@@ -66,6 +67,7 @@ class Configuration(NamedTuple):
             (M = 1), no high-resolution position.
         residue: most low bits of an operand that are multiplied without a block.
         adders: how much time additions are given.
+        turns: clocks of a slot of the vector engine; None with second order.
     """
 
     within: Folding
@@ -73,11 +75,14 @@ class Configuration(NamedTuple):
     position: Folding | None
     residue: int
     adders: AdderTiming
+    turns: int | None = None
 
 
 # the configurations that are compared have many of these in common
 _cross_array = lru_cache(maxsize=256)(CrossArrayPlan)
 _position = lru_cache(maxsize=64)(PositionPlan)
+vector_engine = lru_cache(maxsize=32)(VectorEnginePlan)
+"""The plan of the vector engine of a design."""
 
 
 def tap_rows(table: TapTable) -> Rows:
@@ -142,6 +147,7 @@ class Schedule:
         launches: the clock at which each array takes its operands.
         sample_clock: at which the within array sees the sample itself.
         position: high-resolution position, if there is any; from `POSITION_CLOCK` on.
+        engine: of third and fourth order, if there is any; it starts at `engine_clock`.
         block_count: multiplier blocks.
         longest: bits of the longest limbs together: of A and B, of theta to nu, of the products'
             sums.
@@ -163,10 +169,19 @@ class Schedule:
         if configuration.between is not None:
             self._plan_between(configuration.between)
         self.position = self._position()
+        self.engine: VectorEnginePlan | None = None
+        self.engine_clock = 0
+        if configuration.turns is not None:
+            target = TARGETS[design.hardware.target]
+            self.engine = vector_engine(design, target, configuration.turns)
+            come = [one for three in self.loads(self.engine).values() for one in three]
+            self.engine_clock = max(MINOR_CLOCK + 3, *map(last_clock, come))
         self.arrivals = self._arrivals()
 
         arrays = [*self.arrays.values(), *([self.position.array] if self.position else [])]
         self.block_count = sum(array.block_count for array in arrays)
+        if self.engine is not None:
+            self.block_count += self.engine.block_count
         minors = (*self.minors.values(), *self.integrals.values())
         self.longest = (
             max(part.limb.bits for part in self.taps.values())
@@ -251,6 +266,23 @@ class Schedule:
         )
 
     def _arrivals(self) -> dict[str, list[Arrival]]:
+        arrivals = self._sums()
+        if self.position is not None:
+            for name, three in self.position.arrivals.items():
+                arrivals[name] = [later(arrival, POSITION_CLOCK) for arrival in three]
+        if self.engine is not None:
+            for target in self.engine.sums:
+                arrivals[RESULTS[target]] = [
+                    at_once(
+                        self.engine.page.ranges[target].bits,
+                        self.engine_clock + self.engine.whole_clock(target, axis),
+                    )
+                    for axis in range(3)
+                ]
+        return arrivals
+
+    def _sums(self) -> dict[str, list[Arrival]]:
+        """When the sums of second order are there."""
         arrivals: dict[str, list[Arrival]] = {
             name: [part.arrival] * 3 for name, part in self.integrals.items()
         }
@@ -259,10 +291,20 @@ class Schedule:
                 arrivals[f"{name}_{place}"] = [
                     later(arrival, self.launches[place]) for _, arrival in components
                 ]
-        if self.position is not None:
-            for name, three in self.position.arrivals.items():
-                arrivals[name] = [later(arrival, POSITION_CLOCK) for arrival in three]
         return arrivals
+
+    def loads(self, engine: VectorEnginePlan) -> dict[str, list[Arrival]]:
+        """When the words that the engine is given are there, by its names."""
+        sums, found = self._sums(), {}
+        for half, minor, integral, kind in (
+            ("angle", "theta", "alpha", "coning"),
+            ("velocity", "v", "nu", "sculling"),
+        ):
+            found[f"theta.{half}"] = [later(self.minors[minor].arrival, MINOR_CLOCK)] * 3
+            found[f"alpha.{half}"] = [self.integrals[integral].before_arrival] * 3
+            for place in self.arrays:
+                found[f"{place}.{half}"] = sums[f"{kind}_{place}"]
+        return {name: found[name] for name in (*engine.page.left_loads, *engine.page.right_loads)}
 
     @property
     def block_groups(self) -> list[list[str]]:
@@ -278,6 +320,8 @@ class Schedule:
             for place, array in arrays.items()
             for group in array.block_groups
         ]
+        if self.engine is not None:
+            groups += [[f"engine.{name}" for name in group] for group in self.engine.block_groups]
         return sorted(groups, key=len, reverse=True)
 
     def handover(self, results: int = 1) -> HandOverPlan:
@@ -290,6 +334,7 @@ class Schedule:
             results,
             drop=self.design.drops_results,
             column_words=words_per_column(self.design) if stream else None,
+            late=self.engine_clock + self.engine.result_clock if self.engine else None,
         )
 
     def timing(self, spacing: int) -> Timing:

@@ -9,7 +9,14 @@ from collections.abc import Mapping
 from enum import Enum
 
 from sculler_hdl.plan.arrival import Arrival
-from sculler_model.design import HIGH_RESOLUTION_VECTORS, VECTORS, Interval, WordLengths
+from sculler_model.design import (
+    FOURTH_ORDER_VECTORS,
+    HIGH_RESOLUTION_VECTORS,
+    THIRD_ORDER_VECTORS,
+    VECTORS,
+    Interval,
+    WordLengths,
+)
 from sculler_model.golden import PORT_MAJOR_BITS, WORD_BITS
 
 RAIL_DELAY = 2
@@ -105,6 +112,8 @@ class HandOverPlan:
         results: how many there is room for, 1 or 2; a stream has room for 1.
         drop: whether results are dropped.
         column_words: words of each column of a stream; None hands whole results over.
+        late: that `late` belongs to, a flag of its own for the bits that come from then on; None if
+            there is none.
 
     Attributes:
         ranges: of the components of each vector.
@@ -124,12 +133,19 @@ class HandOverPlan:
         *,
         drop: bool = False,
         column_words: int | None = None,
+        late: int | None = None,
     ) -> None:
-        names = (*VECTORS, *HIGH_RESOLUTION_VECTORS)
+        names = (
+            *VECTORS,
+            *HIGH_RESOLUTION_VECTORS,
+            *THIRD_ORDER_VECTORS,
+            *FOURTH_ORDER_VECTORS,
+        )
         ranges = {name: getattr(words, name) for name in names}
         self.ranges: dict[str, Interval] = {n: r for n, r in ranges.items() if r is not None}
         self.arrivals = dict(arrivals)
         self.clock = clock
+        self.late = late
         self.status_clock = clock + 1
         self.column_words = column_words
         self.complete = complete_clock(arrivals)

@@ -22,7 +22,8 @@ class Hardware(Part):
         target: whose multiplier and memory blocks to use; "generic" leaves them to the
             synthesiser.
         multipliers: multiplier blocks the core may use.  The pipelined core takes as many clocks
-            per sample as follow from it, and without it one.  The compact core uses 1 (default)
+            per sample as follow from it, and without it one, or with orders above 2 as many as it
+            must.  The compact core uses 1 (default)
             or 0.
         bus: what stands between the core and a host's bus; None: the core's own ports.
         handover: "parallel" shows a whole result at once, "stream" word by word (`stream`); the
