@@ -50,6 +50,17 @@ def test_readable(run: Run) -> None:
         assert word in outcome.out
 
 
+def test_the_order_that_a_motion_needs(run: Run) -> None:
+    words = ("advise", "stim300", "--coning", 20, 20, "--drift", 1, "--peak-rate", 0)
+    outcome = run(*words)
+    assert outcome.status == 0
+    assert "this design needs order 4" in outcome.out
+    assert "order 2 is enough" in run("advise", "stim300", *CONING).out
+    data = json.loads(run(*words, "--json").out)
+    assert [found["order"] for found in data["orders"]] == [2, 3, 4]
+    assert data["meet"][0] == data["orders"][2]
+
+
 def test_nothing_meets(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "best.toml"
     words = ("--coning", 10, 100, "--drift", 1e-9, "-o", path)

@@ -25,6 +25,7 @@ from sculler_model.analysis.advice import (
     Environment,
     Requirement,
     advise,
+    by_order,
     coning_drift,
     cost,
     signed_digit_count,
@@ -38,6 +39,7 @@ from sculler_model.design import Design, at_another_rate
 from sculler_model.errors import InputError
 from sculler_model.frames import conjugate, rotate
 from sculler_model.motion import Coning
+from strategies import make_design
 
 STIM = Design.preset("stim300")
 SHAKEN = Environment(
@@ -113,6 +115,22 @@ def test_a_dense_table_costs_more_than_a_compressed_one() -> None:
     assert dense.work > 1.5 * compressed.work
 
 
+def test_third_order_of_two_samples_costs_what_a_hand_counts() -> None:
+    """theta × m and slope × (theta × m): 36 products, of 9 and 9, and of 9 and 18 or 19 bits.
+
+    theta is a sum of two counts of 8 bits, m and the slope are differences (weights of 1).
+    """
+    designs = [make_design("d", 2, 0, 1, (8, 8), options={"order": order}) for order in (2, 3)]
+    plain, higher = map(cost, designs)
+    coning, sculling = designs[1].words.coning_third, designs[1].words.sculling_third
+    assert coning is not None
+    assert sculling is not None
+    assert higher.multiplications - plain.multiplications == 36 / 2
+    products = 18 * 9 * 9 + 6 * 9 * (18 + 19 + 18)
+    registers = 3 * (coning.bits + sculling.bits)
+    assert higher.area - plain.area - registers - products == 2 * 3 * 2 * (9 + 9)
+
+
 # drifts
 
 
@@ -120,6 +138,9 @@ def test_a_dense_table_costs_more_than_a_compressed_one() -> None:
     ("family", "kind", "n", "p", "M", "degree", "hertz"),
     [
         ("frequency-taylor", "increment", 2, 0, 3, 1.0, 60.0),
+        ("uncompressed order 3", "increment", 4, 0, 3, 5.0, 45.0),
+        ("uncompressed order 4", "increment", 4, 0, 3, 5.0, 45.0),
+        ("frequency-taylor order 4", "increment", 1, 1, 5, 3.0, 15.0),
         ("frequency-taylor", "increment", 4, 0, 3, 5.0, 45.0),
         ("frequency-taylor", "increment", 2, 1, 1, 10.0, 70.0),
         ("time-taylor", "increment", 3, 0, 4, 2.0, 30.0),
@@ -131,6 +152,8 @@ def test_coning_drift_is_that_of_the_integer_path(
     family: str, kind: str, n: int, p: int, M: int, degree: float, hertz: float
 ) -> None:
     """A long record through counts, core and host, its attitude multiplied out."""
+    family, _, order = family.partition(" order ")
+    options = {"order": int(order)} if order else {}
     design = Design.parse(
         {
             "name": "d",
@@ -140,13 +163,19 @@ def test_coning_drift_is_that_of_the_integer_path(
                 "gyro": {"bits": 24, "lsb": 1e-9},
                 "accel": {"bits": 24, "lsb": 1e-9},
             },
-            "algorithm": {"family": family, "samples": n, "history": p, "minors": M},
+            "algorithm": {"family": family, "samples": n, "history": p, "minors": M, **options},
         }
     )
     cone = Cone(radians(degree))
     point = frequency.integer_point(frequency.fine(design, cone, hertz + 1), cone, hertz)
     found = coning_drift(
-        design.table, M, cone.half_angle, 2 * pi * point.hertz, 1e-3, design.sensor.kind
+        design.table,
+        M,
+        cone.half_angle,
+        2 * pi * point.hertz,
+        1e-3,
+        design.sensor.kind,
+        order=design.order,
     )
     assert found == pytest.approx(point.complete, rel=2e-3, abs=3e-12)
 
@@ -346,8 +375,9 @@ def test_coning_counts_the_triple_products() -> None:
         most_history=2,
         slowest=1,
     )
-    assert not any(c.meets for c in found)
-    assert all("coning leaves" in c.faults[0] for c in found)
+    assert all(c.meets == (c.design.order == 4 and c.drift < 1) for c in found)
+    assert all("coning leaves" in c.faults[0] for c in found if not c.meets)
+    assert {c.design.order for c in found} == {2, 3, 4}
     table = frequency_taylor(4, 2)
     assert abs(float(drift_rate(table, 0.087, 0.087, 2 * pi * 40, 1 / 2000))) * 206265 < 1e-3
 
@@ -470,3 +500,23 @@ def test_questions_that_do_not_go_together(
 ) -> None:
     with pytest.raises(InputError, match=message):
         advise(STIM, environment, requirement)
+
+
+# orders
+
+CONE_OF_20 = Environment(half_angle=radians(20), hertz=20.0)
+
+
+def test_a_large_cone_asks_for_fourth_order() -> None:
+    """And for the order that is enough where less is asked; what is left is the drift's."""
+    few = {"most_samples": 4, "most_history": 0, "slowest": 1}
+    found = advise(STIM, CONE_OF_20, Requirement(drift=10.0), **few)  # type: ignore[arg-type]
+    assert {one.design.order for one in found if one.meets} == {4}
+    best = found[0]
+    each = by_order(best, CONE_OF_20, Requirement(drift=10.0))
+    assert [one.design.order for one in each] == [2, 3, 4]
+    assert [one.meets for one in each] == [False, False, True]
+    assert each[2] == best
+    assert each[0].cost.work < each[1].cost.work < each[2].cost.work
+    enough = advise(STIM, CONE_OF_20, Requirement(drift=1e3), **few)  # type: ignore[arg-type]
+    assert enough[0].design.order == 2

@@ -7,8 +7,11 @@ import pytest
 
 from bench_files import bench_of, run_bench, shell
 from higher_order_designs import HIGHER_ORDER
-from rtl import check_files, check_trace, clocks_of_major
-from strategies import with_hardware
+from rtl import check_files, check_trace, clocks_of_major, golden, in_chunks, write
+from sculler.formats.comparison import compare
+from sculler_model.design import Design
+from sculler_sim.engine import simulate
+from strategies import samples_of, with_hardware
 from tiers import few_of
 
 pytestmark = pytest.mark.usefixtures("verilator")
@@ -66,3 +69,16 @@ def test_the_bench_passes_and_no_linter_has_a_word(design, tmp_path, verilator):
     files = sorted(path.name for path in tmp_path.glob("*.v"))
     done = shell(shlex.join([*lint, *files]), tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.deep
+def test_a_million_samples_of_third_order(tmp_path):
+    """The pipelined core through Verilator and the golden model, all integers equal."""
+    design = with_hardware(Design.preset("stim300", order=3))
+    counts, faults = samples_of(design, 1_000_000, seed=3)
+    reference = write(tmp_path / "model.csv", [golden(design, counts, faults)], design.columns)
+    run = simulate(design, in_chunks(counts, faults, 50_000), engine="verilator")
+    found = write(tmp_path / "verilator.csv", run, design.columns)
+    difference = compare(reference, found)
+    assert difference is None, difference.describe(reference, found)
+    assert (run.progress.samples, run.progress.results) == (1_000_000, 50_000)

@@ -68,11 +68,12 @@ def command(
     """Find what to build for the sensor of DESIGN (a design file or a preset).
 
     Families, n, p, and increments summed to slower samples are tried; M is as large as the host's
-    rate and the fastest turn (0.05 rad a result) allow.  Where a manoeuvre or position asks for
-    more, smaller M and high-resolution position are tried too.  Under a vibration what is left is
-    the bound over all phases (see analyze vibration); under coning it includes the triple
-    products.  --nmi-per-hour prints a navigator's budget, and asks for what it leaves the
-    algorithm; without DESIGN that is all.  Exit status 1 if nothing meets the requirement.
+    rate and the fastest turn (0.05 rad a result) allow.  Where coning or a manoeuvre asks for more,
+    third and fourth order are tried too; where a manoeuvre or position does, smaller M and
+    high-resolution position.  Under a vibration what is left is the bound over all phases (see
+    analyze vibration); under coning it includes the triple products.  --nmi-per-hour prints a
+    navigator's budget, and asks for what it leaves the algorithm; without DESIGN that is all.  Exit
+    status 1 if nothing meets the requirement.
     """
     navigator = advice.budget(asked)
     if design_name is None:
@@ -99,6 +100,8 @@ def command(
         write_design(output, good[0].design)
         data["output"] = str(output)
         wrote = [f"wrote {terminal.verbatim(output)}"]
+    if len(outcome.orders) > 1:
+        tables.append(_orders(outcome.orders))
     tables.append(_fails(bad, len(bad) if show_all else SHOWN))
     count = len(good) + len(bad)
     verdict = (
@@ -150,8 +153,9 @@ def _cells(candidate: Candidate) -> list[str]:
     rate = candidate.design.sensor.sample_rate_hz
     fitted = " fitted" if algorithm.match == "least-squares" else ""
     fine = " fine" if algorithm.position == "high-resolution" else ""
+    order = f" order {algorithm.order}" if algorithm.order else ""
     return [
-        algorithm.family + fitted + fine,
+        algorithm.family + fitted + fine + order,
         str(algorithm.samples),
         str(algorithm.history),
         f"{rate:g}",
@@ -170,24 +174,65 @@ def _meets(candidates: list[Candidate], count: int) -> Table:
         caption_justify="left",
     )
     _columns(table)
-    paths = [name for name in _PATHS if any(getattr(c, name) is not None for c in candidates)]
+    _results(table, candidates)
+    for candidate in candidates[:count]:
+        table.add_row(*_cells(candidate), *_result_cells(candidate, candidates))
+    return table
+
+
+def _orders(candidates: list[Candidate]) -> Table:
+    """What each order of a design leaves and takes."""
+    from rich.table import Table
+
+    name = candidates[0].design.name
+    table = Table(
+        title=f"[bold]{terminal.verbatim(name)} with each order: what is left, what it takes[/]",
+        title_justify="left",
+        caption=_needed(candidates),
+        caption_justify="left",
+    )
+    table.add_column("order", justify="right")
+    _results(table, candidates)
+    for candidate in candidates:
+        table.add_row(str(candidate.design.order), *_result_cells(candidate, candidates))
+    return table
+
+
+def _needed(candidates: list[Candidate]) -> str:
+    """Which order this design needs."""
+    least = next((one.design.order for one in candidates if one.meets), None)
+    if least is None:
+        return "no order of this design meets the requirement"
+    return f"this design needs order {least}" if least > 2 else "order 2 is enough"
+
+
+def _results(table: Table, candidates: list[Candidate]) -> None:
+    """The columns of what designs leave and take."""
+    paths = _paths(candidates)
     for column in ("°/h", "µg", *(_PATHS[name][0] for name in paths)):
         table.add_column(column, justify="right")
     for column in ("mult/sample", "bits", "k area", "M work/s"):
         table.add_column(column, justify="right")
-    for candidate in candidates[:count]:
-        cost = candidate.cost
-        table.add_row(
-            *_cells(candidate),
-            f"{candidate.drift:.2g}",
-            "" if candidate.force is None else f"{candidate.force:.2g}",
-            *(f"{getattr(candidate, name) * _PATHS[name][1]:.2g}" for name in paths),
-            f"{cost.multiplications:.3g}",
-            str(cost.widest),
-            f"{cost.area / 1e3:.1f}",
-            f"{cost.work / 1e6:.2f}",
-        )
-    return table
+
+
+def _paths(candidates: list[Candidate]) -> list[str]:
+    """What of manoeuvres and position any of them tells."""
+    return [name for name in _PATHS if any(getattr(c, name) is not None for c in candidates)]
+
+
+def _result_cells(candidate: Candidate, candidates: list[Candidate]) -> list[str]:
+    """What a design leaves and takes, in the columns of `_results` of several."""
+    cost = candidate.cost
+    left = {name: getattr(candidate, name) for name in _paths(candidates)}
+    return [
+        f"{candidate.drift:.2g}",
+        "" if candidate.force is None else f"{candidate.force:.2g}",
+        *("" if x is None else f"{x * _PATHS[name][1]:.2g}" for name, x in left.items()),
+        f"{cost.multiplications:.3g}",
+        str(cost.widest),
+        f"{cost.area / 1e3:.1f}",
+        f"{cost.work / 1e6:.2f}",
+    ]
 
 
 _PATHS = {"angle": ("°", 1.0), "velocity": ("m/s", 1.0), "position": ("cm", 100.0)}

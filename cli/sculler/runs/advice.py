@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from math import radians
 from pathlib import Path
 from typing import Any, Literal
 
-from sculler_model.analysis.advice import Candidate, Environment, Requirement, advise
+from sculler_model.analysis.advice import (
+    Candidate,
+    Environment,
+    Requirement,
+    advise,
+    by_order,
+)
 from sculler_model.analysis.flight import Profile
 from sculler_model.analysis.vibration import G, Mount, Spectrum
 from sculler_model.design import Design
@@ -161,11 +167,13 @@ class Outcome:
         base: the design whose sensor it is.
         meet: the designs that meet the requirement, cheapest first.
         fail: the others, the nearest first.
+        orders: the cheapest, or else the nearest, with each order; where the order matters.
     """
 
     base: Design
     meet: list[Candidate]
     fail: list[Candidate]
+    orders: list[Candidate] = field(default_factory=list)
 
     def as_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -173,14 +181,22 @@ class Outcome:
             "sensor": self.base.name,
             "meet": [_as_json(candidate) for candidate in self.meet],
             "fail": [_as_json(candidate) for candidate in self.fail],
+            "orders": [_as_json(candidate) for candidate in self.orders],
         }
 
 
 def find_designs(plan: Plan) -> Outcome:
     """Try families, n, p and slower samples, and sort them by cost."""
-    found = advise(plan.base, plan.environment, plan.requirement, by=plan.by)
+    environment, requirement = plan.environment, plan.requirement
+    found = advise(plan.base, environment, requirement, by=plan.by)
     meet = [candidate for candidate in found if candidate.meets]
-    return Outcome(plan.base, meet, [candidate for candidate in found if not candidate.meets])
+    fail = [candidate for candidate in found if not candidate.meets]
+    # a vibration's bound is of second order, and position is not of any
+    if environment.spectrum is None and (environment.half_angle or environment.manoeuvre):
+        best = next((one for one in found if one.design.algorithm.position is None), None)
+        orders = [] if best is None else by_order(best, environment, requirement)
+        return Outcome(plan.base, meet, fail, orders)
+    return Outcome(plan.base, meet, fail)
 
 
 def write_design(path: Path, design: Design) -> None:
@@ -210,6 +226,7 @@ def _as_json(candidate: Candidate) -> dict[str, Any]:
         "samples": design.algorithm.samples,
         "history": design.algorithm.history,
         "minors": design.algorithm.minors,
+        "order": design.order,
         "sample_rate_hz": design.sensor.sample_rate_hz,
         "minor_rate_hz": design.sensor.sample_rate_hz / design.algorithm.samples,
         "major_rate_hz": 1 / design.major_interval,

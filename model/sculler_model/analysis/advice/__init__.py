@@ -1,7 +1,7 @@
 """Which designs meet a requirement in an environment, and which of them is cheapest.
 
 Errors come from closed forms: under a vibration the bound (V4) of `analysis.vibration`, under
-classical coning the drift of the whole computation, triple products included (`coning_drift`);
+classical coning the drift of the whole computation, of any order (`coning_drift`);
 under classical sculling that of the table.  Manoeuvres run through the integers (`flight.flown`);
 position is held against Savage-98's closed forms by the trapezoid, and at high resolution run
 through the core (`position.left`), which does not depend on the family.
@@ -22,7 +22,7 @@ from sculler_model.analysis.advice.candidates import (
 )
 from sculler_model.analysis.advice.coning import coning_drift
 from sculler_model.analysis.advice.cost import Cost, cost, signed_digit_count
-from sculler_model.analysis.advice.judgement import PER_HOUR, Candidate, advise
+from sculler_model.analysis.advice.judgement import PER_HOUR, Candidate, advise, by_order
 
 __all__ = [
     "FITTED_BITS",
@@ -35,6 +35,7 @@ __all__ = [
     "Environment",
     "Requirement",
     "advise",
+    "by_order",
     "candidates",
     "coning_drift",
     "cost",

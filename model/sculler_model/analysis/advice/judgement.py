@@ -8,6 +8,7 @@ from math import degrees, hypot, pi, sin, sqrt
 
 import numpy as np
 
+from sculler_model.algorithms import ORDERS
 from sculler_model.analysis import frequency
 from sculler_model.analysis.advice.candidates import (
     MAX_TURN,
@@ -121,6 +122,25 @@ def advise(
     return sorted(found, key=rank)
 
 
+def by_order(
+    candidate: Candidate, environment: Environment, requirement: Requirement
+) -> list[Candidate]:
+    """A design with each order that it can have: what is left of its motion, and its cost.
+
+    Under a vibration the order makes no difference to what is left: the bound is of second order.
+
+    Args:
+        candidate: the design, of any order.
+        environment, requirement: as for `advise`.
+    """
+    judge = _Judge(environment, requirement)
+    plain = candidate.design.as_json()
+    plain["name"] = candidate.design.name.split("_order_")[0]
+    plain["algorithm"].pop("order", None)
+    designs = (of_order(Design.parse(plain), order) for order in ORDERS)
+    return [judge(design) for design in designs if design is not None]
+
+
 def _require_a_question(environment: Environment, requirement: Requirement) -> None:
     """See that environment and requirement go together.
 
@@ -188,6 +208,22 @@ def _variant(design: Design, minors: int, fine: bool = False) -> Design:
     return Design.parse(data)
 
 
+def of_order(design: Design, order: int) -> Design | None:
+    """A candidate with another order, as its name says; None where it can have no such order.
+
+    Args:
+        design: of second order.
+        order: 2, 3 or 4.
+    """
+    data = design.as_json()
+    data["name"] = design.name if order == 2 else f"{design.name}_order_{order}"
+    data["algorithm"]["order"] = order
+    try:
+        return Design.parse(data)
+    except InputError:
+        return None
+
+
 class _Judge:
     """Holds designs against environment and requirement."""
 
@@ -204,12 +240,21 @@ class _Judge:
         self._has_path = not (r.angle is None and r.velocity is None and r.position is None)
 
     def variants(self, design: Design) -> Iterator[Candidate]:
-        """The design; and if only manoeuvres or position are too much for it, what mends that.
+        """The design; and if coning, manoeuvres or position are too much for it, what mends that.
 
-        High-resolution position mends position; a smaller M, whose results come more often, all.
+        Third and fourth order mend coning and manoeuvres; high-resolution position position; a
+        smaller M, whose results come more often, manoeuvres and position.
         """
         first = self(design)
         yield first
+        if self._orders_help(first):
+            for order in ORDERS[1:]:
+                higher = of_order(design, order)
+                if higher is not None:
+                    found = self(higher)
+                    yield found
+                    if found.meets:
+                        break
         if first.meets or (first.angle is None and first.position is None):
             return
         position = self.requirement.position
@@ -228,6 +273,15 @@ class _Judge:
                     yield found
                     break
                 minors //= 2
+
+    def _orders_help(self, found: Candidate) -> bool:
+        """Whether coning or the manoeuvre, and neither counts nor results, are what is too much."""
+        if self.environment.spectrum is not None:  # whose bound is of second order
+            return False
+        r = self.requirement
+        pairs = ((found.drift, r.drift), (found.angle, r.angle), (found.velocity, r.velocity))
+        over = sum(left is not None and limit is not None and left > limit for left, limit in pairs)
+        return 0 < over == len(found.faults)
 
     def __call__(self, design: Design) -> Candidate:
         drift, force = self._left(design)
@@ -290,6 +344,7 @@ class _Judge:
             design.sample_interval,
             design.sensor.kind,
             design.sensor_response,
+            design.order,
         )
         return abs(drift) * PER_HOUR
 
