@@ -73,6 +73,20 @@ def test_bias_at_rest_with_and_without_the_earth(
     assert without["gyro_bias_deg_per_h"] == pytest.approx(expected.tolist(), abs=2e-3)
 
 
+def test_a_truth_gives_the_latitude(
+    run: Run, flown: tuple[Path, Path, Path], tmp_path: Path
+) -> None:
+    """Where no other is given: the gyros' bias at rest has no part of the Earth's rate."""
+    design, vectors, truth = flown
+    out = tmp_path / "nav.csv"
+    only = (design, vectors, "-o", out, "--attitude-only", "--rest", "60:110", "--truth", truth)
+    said = told(run, *only)
+    assert said["rest"]["earth_rate_taken_off"]
+    assert said["rest"]["gyro_bias_deg_per_h"] == pytest.approx([20, -40, 10], abs=1e-4)
+    assert said["errors"]["attitude_arcsec"]["total"]["max"] < 0.01
+    assert "against the stars" not in run("navigate", *only, "--no-plots").out
+
+
 def test_columns_and_a_truth_of_attitude_alone(
     run: Run, flown: tuple[Path, Path, Path], tmp_path: Path
 ) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import isnan, nan
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,7 @@ class AgainstTruth:
 
     Attributes:
         passed_over: rows of the truth that were passed over because of NaN.
+        latitude: with `attitude_only` the first that the truth tells, rad; NaN if it tells none.
 
     Raises:
         InputError: the file cannot be read or has a fault.
@@ -46,11 +48,20 @@ class AgainstTruth:
     def __init__(self, path: Path, interval: float, *, attitude_only: bool = False) -> None:
         self.path = path
         self.passed_over = 0
+        self.latitude = nan
         blocks = read_truth(path, passed_over=self._pass_over)
         if attitude_only:
-            blocks = map(_attitude_of, blocks)
+            blocks = map(self._attitude_of, blocks)
         self._comparison = Comparison(blocks, interval, str(path))
         self._estimate, self._truth = Thinned(), Thinned()
+
+    def _attitude_of(self, part: NavHistory) -> NavHistory:
+        """The same states, NaN in all but the attitude; their latitude is looked at."""
+        there = part.lat[np.isfinite(part.lat)]
+        if isnan(self.latitude) and len(there):
+            self.latitude = float(there[0])
+        nothing = np.full(len(part), np.nan)
+        return replace(part, v=np.full((len(part), 3), np.nan), lat=nothing, lon=nothing, h=nothing)
 
     def _pass_over(self, rows: int) -> None:
         self.passed_over += rows
@@ -127,12 +138,6 @@ class AgainstTruth:
         """Estimate, truth and errors at not too many instants, for pictures."""
         estimate, truth = self._estimate.history(), self._truth.history()
         return estimate, truth, navigation_errors(estimate, truth)
-
-
-def _attitude_of(part: NavHistory) -> NavHistory:
-    """The same states, NaN in all but the attitude."""
-    nothing = np.full(len(part), np.nan)
-    return replace(part, v=np.full((len(part), 3), np.nan), lat=nothing, lon=nothing, h=nothing)
 
 
 def _scaled(figures: Figures, scale: float) -> dict[str, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, nan
 from typing import Any, Literal, NamedTuple
 
 from sculler_model.design import Design
@@ -314,8 +314,13 @@ class Plan:
                 f"{ALTERNATIVES} and --rotation are for the engine python, leave them out"
             )
 
-    def initial(self, time: float, origin: NavState | None) -> NavState:
-        """The state to begin with; `origin` is what the truth tells of it.
+    def initial(self, time: float, origin: NavState | None, lat: float = nan) -> NavState:
+        """The state to begin with.
+
+        Args:
+            time: s.
+            origin: what the truth tells of it.
+            lat: rad, of an attitude alone, if no other is given.
 
         Raises:
             InputError: nobody tells the position.
@@ -323,7 +328,10 @@ class Plan:
         if not self.attitude_only:
             return self.given.state(time, origin)
         somewhere = self.given._replace(place=(0.0, 0.0, 0.0), velocity=(None, None, None))
-        return attitude_state(time, somewhere.state(time, origin).q, self.given.place[0])
+        given = self.given.place[0]
+        return attitude_state(
+            time, somewhere.state(time, origin).q, lat if given is None else given
+        )
 
     def damping(self, first_height: float) -> HeightDamping | None:
         """What holds the height of a run that began at a height (m)."""

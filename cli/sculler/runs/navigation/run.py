@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -180,7 +181,8 @@ class NavigationRun:
                     f"{reference.path}: the truth has no state at {time:.15g} s, where --start"
                     " begins the run; give a time inside the truth"
                 )
-            return row, plan.initial(time, None if start is None else start.state)
+            told = None if start is None else start.state
+            return row, plan.initial(time, told, self._latitude)
         start = None if reference is None else reference.start(begins)
         if start is not None:
             time = float(begins[start.row])
@@ -190,7 +192,7 @@ class NavigationRun:
                     f" {time:.15g} s, with which the run begins, is interpolated between two"
                 )
             if last is None:
-                return start.row, plan.initial(time, start.state)
+                return start.row, plan.initial(time, start.state, self._latitude)
             # what the truth does not tell goes on as without it
             self._then(FROM_TRUTH)
             return start.row, completed(start.state, self._host.coasted(last, time - last.time))
@@ -211,6 +213,11 @@ class NavigationRun:
                 f"a break of {found['seconds']:.6g} s before {self._unit} {found['line']}"
                 f" ({found['what']}): {how}"
             )
+
+    @property
+    def _latitude(self) -> float:
+        """What the truth of a run of attitude alone tells, rad, or NaN."""
+        return nan if self._reference is None else self._reference.latitude
 
     def _asked(self, start: float, begins: Array, cut: bool) -> int | None:
         """The row at which --start wants to begin; None if it comes later."""
