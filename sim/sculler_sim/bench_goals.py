@@ -35,7 +35,7 @@ def goals_of(design: Design, timing: Timing, *, aimed: bool) -> dict[str, object
         "back_to_back": "samples and results back to back",
         "resets_early >= STAGES": "a reset at each stage of a result on its way",
         "resets_waiting != 0": "a reset while a result waits",
-        "INSIDE == 0 || carries == NUMBERS": "carries from limb to limb of a result's number",
+        "INSIDE == 0 || carries == CARRIES": "carries from limb to limb of a result's number",
         "INSIDE == 0 || counters_ended": "counters of losses at their ends",
     }
     can_lose = not design.drops_results or timing.spacing > 1
@@ -82,7 +82,7 @@ def inside(design: Design, timing: Timing, cells: Collection[str]) -> str:
     if design.drops_results:
         counters.append("core.results_dropped" if compact else "core.handover.dropped_2")
     forced, words = [], []
-    few = len(numbers(design, timing)) == 1
+    settings = numbers(design, timing)
     for limb in range(number_bits(design) // 16):
         bits = f"[{16 * limb + 15}:{16 * limb}]"
         if compact:  # the last result's number
@@ -91,11 +91,12 @@ def inside(design: Design, timing: Timing, cells: Collection[str]) -> str:
             continue
         place = f"core.handover.major_{16 * limb}"
         forced.append(place)
-        if few or limb == 0:
-            words.append(f"force {place} = 16'hffff;")
-        else:
-            words.append(f"if (settings < {limb}) force {place} = 16'h7fff;")
-            words.append(f"else force {place} = 16'hffff;")
+        words += ["case (settings)"]
+        words += [
+            f"  {i}: force {place} = 16'h{number >> 16 * limb & 0xFFFF:04x};"
+            for i, number in enumerate(settings)
+        ]
+        words += ["endcase"]
     starts = [f"force {counter} = COUNTER_LOW;" for counter in counters]
     last = ["  wire [NUMBER_BITS-1:0] last_number = next_number - 1'b1;"] if compact else []
     counted = "if (clk_en) " if design.hardware.clock_enable else ""

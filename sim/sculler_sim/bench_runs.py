@@ -13,6 +13,7 @@ import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from itertools import cycle, islice, product
 from typing import NamedTuple
 
 import numpy as np
@@ -138,18 +139,35 @@ def number_bits(design: Design) -> int:
 
 
 def numbers(design: Design, timing: Timing) -> list[int]:
-    """Numbers of results that the bench sets: the next carries into one more limb of 16 bits each.
+    """Numbers of results that the bench sets, for the next results to count on from.
 
-    Limbs above are 7fff, so that the carry runs through all of the next one.  Where major
-    intervals are long only the last: all ones.
+    First those after which a carry runs into one more limb of 16 bits each; limbs above are 7fff,
+    so that it runs through all of the next one.  Then those after which a limb is 5555 or aaaa, so
+    that each of its bits is high once and low once.  Where major intervals are long the first ones,
+    or all ones alone.
     """
     limbs = number_bits(design) // 16
     ones, ripple = 0xFFFF, 0x7FFF
-    found = [
+    carried = [
         sum((ones if limb < low else ripple) << 16 * limb for limb in range(limbs))
         for low in range(1, limbs + 1)
     ]
-    return found if clocks_per_major(design, timing) * limbs < _MOST_CLOCKS else found[-1:]
+    checkered = [
+        sum(
+            (ones, sum_ - 1, ripple)[(limb >= at) + (limb > at)] << 16 * limb
+            for limb in range(limbs)
+        )
+        for at in range(limbs)
+        for sum_ in (0x5555, 0xAAAA)
+    ]
+    room = _MOST_CLOCKS // clocks_per_major(design, timing)
+    choices = ([*carried, *checkered], carried, carried[-1:])
+    return next((each for each in choices if len(each) < room), choices[-1])
+
+
+def carries(design: Design, timing: Timing) -> int:
+    """How many of them a carry out of the lowest limb follows."""
+    return sum(number & 0xFFFF == 0xFFFF for number in numbers(design, timing))
 
 
 def counter_intervals(design: Design, timing: Timing) -> int:
@@ -162,13 +180,15 @@ def samples_of(design: Design, runs: Sequence[Run]) -> list[NDArray[np.int64]]:
     """(samples, 7) counts and fault of each run.
 
     Of eight major intervals one has all counts at their rails, or random ones; its counterpart all
-    at the others.  One has none there, six have one alone, at one rail after the other.  Every
-    fourth has a faulty sample, its first, its last or any.
+    at the others.  One has none there, but all a single bit from it, one bit after the other.  Six
+    have one alone, at one rail after the other.  Every fourth has a faulty sample, its first, its
+    last or any.
     """
     rng = random.Random(_SEED)
     words, span = design.words, design.samples_per_major
     allowed = [words.gyro] * 3 + [words.accel] * 3
     lows, highs = ([getattr(word, end) for word in allowed] for end in ("lo", "hi"))
+    nearly = _nearly(allowed)
     parts, touched = [], 0
     for number, run in enumerate(runs):
         rows = _wild(rng, allowed, run.samples)
@@ -185,12 +205,23 @@ def samples_of(design: Design, runs: Sequence[Run]) -> list[NDArray[np.int64]]:
                 axis = touched // 2 % 6
                 mine[(0, len(mine) - 1, rng.randrange(len(mine)))[touched % 3], axis] = ends[axis]
                 touched += 1
-            elif interval % 8 == 5:
-                mine[:] = mine.clip([low + 1 for low in lows], [high - 1 for high in highs])
+            elif interval % 4 == 1:
+                mine[:] = list(islice(nearly, len(mine)))
             if interval % 4 == 2:
                 marks[(0, len(marks) - 1, rng.randrange(len(marks)))[interval // 4 % 3]] = 1
         parts.append(np.hstack([rows, faults]))
     return parts
+
+
+def _nearly(allowed: Sequence[Interval]) -> Iterator[list[int]]:
+    """Six counts that differ from a rail by one bit: each bit below the sign, at either rail."""
+    widest = max(word.bits for word in allowed) - 1
+    for bit, at_low in cycle(product(range(widest), (True, False))):
+        steps = [1 << bit % (word.bits - 1) for word in allowed]
+        yield [
+            word.lo + step if at_low else word.hi - step
+            for word, step in zip(allowed, steps, strict=True)
+        ]
 
 
 def _coins(seed: int, shape: tuple[int, ...]) -> NDArray[np.bool_]:

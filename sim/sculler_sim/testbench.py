@@ -47,6 +47,7 @@ from sculler_sim.bench_runs import (
     Kind,
     Least,
     Run,
+    carries,
     number_bits,
     numbers,
     plan_runs,
@@ -167,6 +168,7 @@ def _runs(design: Design, timing: Timing, runs: Sequence[Run]) -> dict[str, obje
         "plans": "\n".join(lines),
         "number_bits": bits,
         "numbers": len(found),
+        "carries": carries(design, timing),
         "number_cases": "\n".join(
             f"      {i}: number_of = {bits}'h{number:x};" for i, number in enumerate(found)
         ),

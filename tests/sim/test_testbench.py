@@ -3,6 +3,7 @@ import shlex
 import shutil
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from amaranth import C, Module, Signal
 
@@ -14,6 +15,7 @@ from sculler_hdl.pipelined import core as pipelined_core
 from sculler_model.design import COLUMNS, STATUS_FAULT, STATUS_LOST, STATUS_RAIL, VECTORS
 from sculler_model.errors import InputError
 from sculler_model.golden import Timing, words_per_column, words_per_result
+from sculler_sim.bench_runs import LEAST, plan_runs, samples_of
 from sculler_sim.testbench import write_testbench
 from strategies import CORES, DESIGNS, make_design, with_hardware
 from tiers import few_of
@@ -136,6 +138,55 @@ def test_golden_vectors_have_faults_and_counts_at_rails_and_have_them_not(design
     for bit in (STATUS_FAULT, STATUS_RAIL):
         assert {bool(status & bit) for status in found} == {False, True}
     assert not any(status & STATUS_LOST for status in found)
+
+
+def counts_without_rails(design, core):
+    """(component, count) of all major intervals in the bench's samples that have none at a rail."""
+    design = with_hardware(design, **CORES[core])
+    span, ends = design.samples_per_major, rails(design)
+    found = set()
+    for rows in samples_of(design, plan_runs(design, timing(design), LEAST)):
+        for interval in np.split(rows[:, :6], range(span, len(rows), span)):
+            if not np.any([interval == end for end in ends]):
+                found |= {(i, int(count)) for row in interval for i, count in enumerate(row)}
+    return found
+
+
+def rails(design):
+    words = [design.words.gyro] * 3 + [design.words.accel] * 3
+    return [word.lo for word in words], [word.hi for word in words]
+
+
+@pytest.mark.parametrize("core", CORES)
+@SOME_DESIGNS
+def test_a_rail_that_leaves_a_bit_out_is_seen(design, core):
+    """Every count that differs from a rail in one bit alone, where status bit 2 is not set."""
+    found = counts_without_rails(design, core)
+    for i, (low, high) in enumerate(zip(*rails(design), strict=True)):
+        for bit in range(high.bit_length()):
+            assert {(i, low + 2**bit), (i, high - 2**bit)} <= found
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "port"),
+    [
+        (r"accel_y_sample\[4\] != accel_y_sample\[[0-9]+\]", "1'b1", "status"),
+        (
+            r"major_32 \+ 16'h0001",
+            "(major_32 + 16'h0001) ^ (major_32[0] ? 16'h0000 : 16'h0010)",
+            "major",
+        ),
+    ],
+    ids=["a rail leaves a bit out", "a bit of the number is wrong where another is high"],
+)
+def test_a_core_with_a_small_fault_fails(icarus, tmp_path, right, wrong, port):
+    design = DESIGNS["smallest"]
+    command, core = bench_of(design, tmp_path, LEAST)["icarus"], tmp_path / f"{design.name}.v"
+    text, changed = re.subn(right, wrong, core.read_text())
+    assert changed == 1
+    core.write_text(text)
+    said = shell(command, tmp_path).stdout
+    assert re.match(rf"FAIL: result .*, result_{port}: ", said), said
 
 
 def never_rail(m, *_):
