@@ -2,5 +2,6 @@
 
 mutants     changes of a core: by Yosys's `mutate`, and bits of the microprogram
 verdicts    what the bench says of each; survivors against the core, by the model checker
+page        the words and tables of mutants.md
 command     the command line
 """

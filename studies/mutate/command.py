@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import click
@@ -11,7 +12,9 @@ from sculler import terminal
 from sculler_model.errors import InputError
 from sculler_model.outputs import make_folder, replacing
 from sculler_sim.prove.shapes import SHAPES
-from studies.mutate.verdicts import judge
+from studies import documents
+from studies.mutate.page import document, results
+from studies.mutate.verdicts import Judged, judge
 
 RESULTS = Path("build/mutants")
 
@@ -20,6 +23,7 @@ RESULTS = Path("build/mutants")
     epilog=terminal.examples(
         "python -m studies.mutate",
         "python -m studies.mutate --only compact_one --count 100 --seconds 60",
+        "python -m studies.mutate --only one_minor --only compact_one --write",
     )
 )
 @click.option(
@@ -45,7 +49,12 @@ RESULTS = Path("build/mutants")
 @click.option(
     "--seconds", type=click.IntRange(1), default=60, show_default=True, help="A survivor's proof."
 )
-def command(folder: Path, names: tuple[str, ...], count: int, seconds: int) -> None:
+@click.option(
+    "--write",
+    is_flag=True,
+    help=f"Write {documents.PAGES / 'mutants.md'} from what came out.",
+)
+def command(folder: Path, names: tuple[str, ...], count: int, seconds: int, write: bool) -> int:
     """Run changed cores against the test bench that is handed out, in Icarus Verilog.
 
     A survivor is held against the core by the model checker.  Exit status 1 where one can be told
@@ -55,23 +64,27 @@ def command(folder: Path, names: tuple[str, ...], count: int, seconds: int) -> N
         if name not in SHAPES:
             raise InputError(f"--only {name}: no shape, give one of {', '.join(SHAPES)}")
     make_folder(folder)
-    faults = []
-    for name in names or SHAPES:
-        path = folder / f"{name}-{count}.json"
-        if not path.is_file():
-            with terminal.progress(name, count) as advance:
-                found = judge(SHAPES[name], count, seconds, lambda: advance(1))
-            with replacing(path) as temporary:
-                temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-        judged = json.loads(path.read_text(encoding="utf-8"))
-        survivors = [each for each in judged if not each["killed"]]
-        equal = sum(each["proof"] == "equivalent" for each in survivors)
-        click.echo(
-            f"{name}: {len(judged)} mutants, {len(judged) - len(survivors)} killed,"
-            f" {equal} equivalent, {len(survivors) - equal} others"
-        )
-        for each in survivors:
-            click.echo(f"  {each['proof']}: {each['change']}")
-        faults += [each for each in survivors if each["proof"].startswith("differs")]
-    if faults:
-        raise click.exceptions.Exit(1)
+    found = {
+        name: _judged(folder / f"{name}-{count}.json", name, count, seconds)
+        for name in SHAPES
+        if not names or name in names
+    }
+    terminal.report({}, False, "\n".join(results(found)))
+    if write:
+        page = make_folder(documents.PAGES) / "mutants.md"
+        with replacing(page) as temporary:
+            temporary.write_text(document(found, count, seconds), encoding="utf-8")
+        terminal.report({}, False, f"wrote {terminal.verbatim(page)}")
+    every = [mutant for mutants in found.values() for mutant in mutants]
+    return int(any(mutant.proof.startswith("differs") for mutant in every))
+
+
+def _judged(path: Path, name: str, count: int, seconds: int) -> list[Judged]:
+    """A shape's mutants, from the file if it is there, else run and written to it."""
+    if not path.is_file():
+        with terminal.progress(name, count) as advance:
+            found = judge(SHAPES[name], count, seconds, lambda: advance(1))
+        with replacing(path) as temporary:
+            text = json.dumps([asdict(each) for each in found], indent=1)
+            temporary.write_text(text + "\n", encoding="utf-8")
+    return [Judged(**each) for each in json.loads(path.read_text(encoding="utf-8"))]

@@ -8,7 +8,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 from sculler_hdl import generate, module_ports, timing
@@ -24,7 +24,7 @@ HANG = 120
 """Seconds after which a simulation is ended: the bench has a time-out of its own, far below."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Judged:
     """A mutant and what came of it.
 
@@ -45,7 +45,7 @@ class Judged:
 
 def judge(
     design: Design, count: int, seconds: int, done: Callable[[], None] = lambda: None
-) -> list[dict[str, object]]:
+) -> list[Judged]:
     """Every mutant of a core.
 
     Args:
@@ -84,7 +84,7 @@ def judge(
             judged = list(pool.map(one, enumerate(found)))
     if judged[0].killed:
         raise InputError(f"{design.name}: the core itself does not pass: {judged[0].said}")
-    return [asdict(each) for each in judged[1:]]
+    return judged[1:]
 
 
 def simulate(design: Design, folder: Path, name: str, verilog: str) -> str:
