@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import json
 import os
+import struct
 from pathlib import Path
 from typing import Any
 
 import cocotb
 from cocotb.clock import Clock
-from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge, Timer
+from cocotb.triggers import ClockCycles, FallingEdge, First, RisingEdge, Timer
+from cocotb.types import Logic
 from cocotb.utils import get_sim_time
 
 JOB: dict[str, Any] = json.loads(Path(os.environ["SCULLER_BENCH"]).read_text())
@@ -87,42 +89,47 @@ async def line(dut: Any) -> None:
     await check(dut, samples)
 
 
-class Sensor:
-    """A sensor's SPI port in mode 3: takes 16 bits, then shows what is at hand.
+def spi_sensor(dut: Any) -> Any:
+    """A sensor's SPI port in mode 3, by cocotbext-spi: takes 16 bits, then shows what is at hand.
 
-    (cocotbext-spi 0.5 does not run with cocotb 2.)  What it shows changes 25 ns after
-    the falling edge of the clock.
+    cocotbext-spi 0.5 was written for cocotb 1, of which it misses two names; they are given to it.
     """
+    cocotb.clock.BaseClock = Clock  # type: ignore[attr-defined]
+    Logic.integer = property(int)  # type: ignore[attr-defined]
+    from cocotbext.spi import SpiBus, SpiConfig, SpiSlaveBase
 
-    def __init__(self, dut: Any) -> None:
-        self.dut = dut
-        self.content = b""
-        self.requests: list[list[int]] = []
-        cocotb.start_soon(self.run())
+    class Sensor(SpiSlaveBase):  # type: ignore[misc]
+        _config = SpiConfig(
+            word_width=16,
+            cpol=True,
+            cpha=True,
+            data_output_idle=0,
+            frame_spacing_ns=JOB["pause_ns"] or 1,  # less is an error
+        )
 
-    async def run(self) -> None:
-        while True:
-            await FallingEdge(self.dut.cs_n)
-            assert self.dut.sck.value == 1, "mode 3 begins high"
-            bits = [0] * 16 + [byte >> 7 - bit & 1 for byte in self.content for bit in range(8)]
-            words: list[int] = []
-            for number, bit in enumerate(bits):
-                if JOB["pause_ns"] and number and number % 16 == 0:  # a word at a time
-                    await RisingEdge(self.dut.cs_n)
-                    risen = get_sim_time("ns")
-                    await FallingEdge(self.dut.cs_n)
-                    assert get_sim_time("ns") - risen >= JOB["pause_ns"]
-                await FallingEdge(self.dut.sck)
-                assert self.dut.cs_n.value == 0
-                await Timer(25, "ns")
-                self.dut.miso.value = bit
-                await RisingEdge(self.dut.sck)
-                if number % 16 == 0:
-                    words.append(0)
-                words[-1] = words[-1] << 1 | int(self.dut.mosi.value)
-            self.requests.append(words)
-            await RisingEdge(self.dut.cs_n)
-            assert self.dut.sck.value == 1
+        def __init__(self, bus: Any) -> None:
+            self.words: list[int] = []
+            self.requests: list[list[int]] = []
+            super().__init__(bus)
+
+        def offer(self, content: bytes) -> None:
+            """What it shows from now on, after a word of zeros."""
+            self.words = [0, *struct.unpack(f">{len(content) // 2}H", content)]
+            self.requests.append([])
+
+        async def _transaction(self, frame_start: Any, frame_end: Any) -> None:
+            await frame_start
+            self.idle.clear()
+            assert self._sclk.value == 1, "mode 3 begins high"
+            while self.words:
+                word = self.words.pop(0)
+                self.requests[-1].append(await self._shift(16, tx_word=word))
+                if JOB["pause_ns"]:  # a word at a time
+                    break
+            assert await First(FallingEdge(self._sclk), frame_end) is frame_end
+            assert self._sclk.value == 1
+
+    return Sensor(SpiBus.from_entity(dut, sclk_name="sck", cs_name="cs_n"))
 
 
 @cocotb.test(skip=JOB["wire"] != "spi")
@@ -131,14 +138,15 @@ async def burst(dut: Any) -> None:
     dut.miso.value = 0
     dut.data_ready.value = 0
     samples = await begin(dut)
-    sensor = Sensor(dut)
+    sensor = spi_sensor(dut)
     for time, content in JOB["frames"]:
         await at(time)
-        sensor.content = bytes.fromhex(content)
+        sensor.offer(bytes.fromhex(content))
         dut.data_ready.value = 1
         await Timer(20, "us")
         dut.data_ready.value = 0
     await at(JOB["end"])
-    asked = JOB["requests"] + [0] * (1 + len(sensor.content) // 2 - len(JOB["requests"]))
+    words = 1 + len(JOB["frames"][0][1]) // 4
+    asked = JOB["requests"] + [0] * (words - len(JOB["requests"]))
     assert sensor.requests == [asked] * len(JOB["frames"])
     await check(dut, samples)
