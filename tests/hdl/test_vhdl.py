@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from front_designs import design_of
 from sculler_hdl import generate
 from sculler_model.design import Design
 from strategies import DESIGNS, with_hardware
@@ -39,16 +40,40 @@ def stand_in(verilog: str) -> str:
 @pytest.mark.parametrize("design", CORES.values(), ids=CORES)
 @pytest.mark.parametrize("standard", ["93", "08"])
 def test_ghdl_binds_it_to_the_modules_ports(design: Design, standard: str, tmp_path: Path) -> None:
+    made = generate(design)
+    bind(design.name, made.verilog, made.vhdl, standard, tmp_path)
+
+
+UNITS: dict[str, dict[str, str]] = {
+    "stim300": {"result": "axi-lite", "clock": "separate"},
+    "adis16470": {"result": "axi-stream"},
+}
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("sensor", UNITS)
+def test_ghdl_binds_unit_and_front_end_too(sensor: str, tmp_path: Path) -> None:
+    data = design_of(sensor).as_json()
+    data["hardware"]["bus"] = UNITS[sensor]
+    design = Design.parse(data)
+    made = generate(design).further
+    for part in ("unit", "front"):
+        name = f"{design.name}_{part}"
+        folder = tmp_path / part
+        folder.mkdir()
+        bind(name, made[f"{name}.v"], made[f"{name}.vhd"], "93", folder)
+
+
+def bind(name: str, verilog: str, vhdl: str, standard: str, tmp_path: Path) -> None:
     """A port that is missing, too many, of another width or direction would be refused."""
     if shutil.which("ghdl") is None:
         pytest.skip("GHDL is not installed")
-    made = generate(design)
-    (tmp_path / "module.vhd").write_text(stand_in(made.verilog))
-    (tmp_path / f"{design.name}.vhd").write_text(made.vhdl)
+    (tmp_path / "module.vhd").write_text(stand_in(verilog))
+    (tmp_path / f"{name}.vhd").write_text(vhdl)
     for words in (
-        ["-a", "module.vhd", f"{design.name}.vhd"],
+        ["-a", "module.vhd", f"{name}.vhd"],
         # a component is bound to the module of its name, as synthesis does it in every standard
-        ["--elab-run", "--syn-binding", f"{design.name}_vhdl", "--stop-time=1ns"],
+        ["--elab-run", "--syn-binding", f"{name}_vhdl", "--stop-time=1ns"],
     ):
         command = ["ghdl", words[0], f"--std={standard}", "-Wbinding", "-Werror", *words[1:]]
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)

@@ -1,4 +1,4 @@
-"""NAME_front.v: the sensor front end of a design."""
+"""NAME_front.v and NAME_front.vhd: the sensor front end of a design."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from sculler_hdl.clocked import ClockedPart
 from sculler_hdl.export.component import component_verilog, rare_collection
+from sculler_hdl.export.vhdl import vhdl
 from sculler_hdl.front.front_end import FrontEnd
 from sculler_hdl.plan.front import FrontPlan, front_ports
 from sculler_hdl.plan.ports import Port, part_clock_ports
@@ -19,7 +20,7 @@ def front_module_ports(design: Design) -> tuple[Port, ...]:
 
 
 def front_files(design: Design) -> Mapping[str, str]:
-    """NAME_front.v, by its name; nothing for a design without a front end.
+    """NAME_front.v and .vhd, by their names; nothing for a design without a front end.
 
     Raises:
         ToolError: Yosys failed.
@@ -38,7 +39,10 @@ def front_files(design: Design) -> Mapping[str, str]:
             initial=design.has_initial_values,
             trees=True,
         )
-    return {f"{name}.v": text}
+    return {
+        f"{name}.v": text,
+        f"{name}.vhd": vhdl(name, front_module_ports(design), "the sensor front end"),
+    }
 
 
 def _about(design: Design, plan: FrontPlan) -> list[str]:
