@@ -188,7 +188,7 @@ def test_fast_twin_is_the_golden_model(case: tuple[dict[str, Any], str, int]) ->
         assert got.first_difference(want) is None
     model = FastModel(one)
     with pytest.raises(InputError, match="does not fit"):
-        list(model.feed_in_parts(np.vstack([counts, [[1 << 40] * 6]]), None, 50))
+        model.feed_to(lambda *_: None, np.vstack([counts, [[1 << 40] * 6]]), None, 5)
     assert VectorBlock.first_difference(model.feed(counts, faults), want) is None
 
 

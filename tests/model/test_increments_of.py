@@ -19,8 +19,10 @@ def bits(increments: MajorIncrements) -> dict[str, bytes]:
     return {name: column.tobytes() for name, column in increments.named_columns().items()}
 
 
-@pytest.mark.parametrize("compiled", [False, None])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    ("name", "compiled"),
+    [*((name, way) for name in NAMES for way in (False, None)), ("savage_1p1", True)],
+)
 def test_they_are_the_two_steps(
     name: str, compiled: bool | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -31,6 +33,11 @@ def test_they_are_the_two_steps(
     faults = rng.random(len(counts)) < 0.1 / span
     whole = major_increments(design, FastModel(design).feed(counts, faults))
     monkeypatch.setattr(scaling, "RESULTS", 7)
+    if compiled is not None:  # the scaling too, without the kernel or with it
+        for least in ("WORTH_COMPILING", "WORTH_WHEN_LOADED"):
+            monkeypatch.setattr(scaling, least, 0)
+    if compiled:
+        pytest.importorskip("numba")
     model = FastModel(design, compiled=compiled)
     found = increments_of(model, counts, faults)
     assert bits(found) == bits(whole)

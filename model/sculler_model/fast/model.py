@@ -10,12 +10,12 @@ loading; else by `arithmetic` in numpy: the same integers, more slowly.  Compens
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache, partial
 from itertools import pairwise
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,7 +26,8 @@ from sculler_model.errors import InputError
 from sculler_model.fast.arithmetic import BLOCK, FEW_MINORS, Arithmetic, Counts
 from sculler_model.fast.blocks import VectorBlock
 from sculler_model.fast.compensation import FastCompensator, Marks
-from sculler_model.fast.wide import Integers, from_limbs, limbs_of
+from sculler_model.fast.counts import Rows, as_counts, as_faults, column_extremes
+from sculler_model.fast.wide import from_limbs, limbs_of
 from sculler_model.golden import check_widths
 
 if TYPE_CHECKING:
@@ -41,26 +42,17 @@ WORTH_COMPILING = 2_000_000
 WORTH_COMPILING_ORDERS = 200_000
 """The same for third and fourth order, which numpy has in Python's integers."""
 
-ROW = 256
-"""Samples side by side where extremes are sought: numpy is quick along long rows."""
 
+class _Place(NamedTuple):
+    """Where the results of intervals first..last-1 go.
 
-class _Rows:
-    """Rows of counts, those that were kept first."""
+    Attributes:
+        room: gives memory for so many, or for more.
+        done: is told these numbers and the memory once they are there.
+    """
 
-    def __init__(self, kept: NDArray[np.int64], counts: Counts) -> None:
-        self.kept, self.counts = kept, counts
-
-    def __len__(self) -> int:
-        return len(self.kept) + len(self.counts)
-
-    def __getitem__(self, part: slice) -> Counts:
-        """Rows start..stop-1, both told; a view where none of them was kept."""
-        first, last = (max(edge - len(self.kept), 0) for edge in (part.start, part.stop))
-        new = self.counts[first:last]
-        if part.start >= len(self.kept):
-            return new
-        return np.concatenate([self.kept[part], new], dtype=np.int64)
+    room: Callable[[int, int], NDArray[np.int64]]
+    done: Callable[[int, int, NDArray[np.int64]], None] = lambda _first, _last, _results: None
 
 
 class FastModel:
@@ -154,8 +146,78 @@ class FastModel:
             InputError: the arrays are not of this form, or a count does not fit the sensor's
                 width.  Then nothing of them is taken.
         """
-        counts = _as_counts(counts)
-        faulty = self.samples + np.flatnonzero(_as_faults(faults, len(counts)))
+        found: list[NDArray[np.int64]] = []
+
+        def room(first: int, last: int) -> NDArray[np.int64]:
+            return found[0][first:last]
+
+        def compute(rows: Rows, majors: int) -> NDArray[np.bool_]:
+            found.append(self._room(majors))
+            return self._computed(rows, majors, _Place(room), self._block)
+
+        first, status = self._taken_by(as_counts(counts), faults, compute)
+        if not found:
+            return VectorBlock.from_rows([], self.design)
+        major = np.arange(first, first + len(status), dtype=np.int64)
+        return VectorBlock(major, status, from_limbs(found[0]))
+
+    def feed_to(
+        self,
+        use: Callable[[int, NDArray[np.int64]], None],
+        counts: ArrayLike,
+        faults: ArrayLike | None,
+        size: int,
+    ) -> NDArray[np.int64]:
+        """`feed`, for who needs no result twice: some are computed, used and forgotten.
+
+        Args:
+            use: takes the number of an interval, from 0 on, and the limbs of it and of those after
+                it, (R, C, W) as of `limbs_of`, which it must not keep.  Several threads call it.
+            counts, faults: as for `feed`.
+            size: intervals computed at a time.
+
+        Returns:
+            (R,) the intervals' status.
+
+        Raises:
+            InputError: as `feed`; then nothing of them is taken, but some may have been used.
+        """
+        idle: list[NDArray[np.int64]] = []
+
+        def room(_first: int, _last: int) -> NDArray[np.int64]:
+            return idle.pop() if idle else self._room(size)
+
+        def done(first: int, last: int, results: NDArray[np.int64]) -> None:
+            use(first, results[: last - first])
+            idle.append(results)
+
+        def compute(rows: Rows, majors: int) -> NDArray[np.bool_]:
+            return self._computed(rows, majors, _Place(room, done), size)
+
+        return self._taken_by(as_counts(counts), faults, compute)[1]
+
+    def _room(self, majors: int) -> NDArray[np.int64]:
+        """Memory for results.  The kernel writes nothing between minor intervals if one is all."""
+        memory = np.zeros if self.design.algorithm.minors == 1 else np.empty
+        return memory((majors, len(self.design.components), self._arithmetic.limbs), np.int64)
+
+    def _taken_by(
+        self,
+        counts: Counts,
+        faults: ArrayLike | None,
+        compute: Callable[[Rows, int], NDArray[np.bool_]],
+    ) -> tuple[int, NDArray[np.int64]]:
+        """Have `compute` work out what samples complete, if anything, and take them.
+
+        Args:
+            counts, faults: as for `feed`.
+            compute: takes the history with the samples after it and how many intervals they are,
+                returns whether each has a count at an end of its width.
+
+        Returns:
+            The first interval's number, and the status of each.
+        """
+        faulty = self.samples + np.flatnonzero(as_faults(faults, len(counts)))
         railed = self._railed
         if self._compensator is not None and len(counts):
             self._check_widths(counts, self.samples)
@@ -171,16 +233,16 @@ class FastModel:
             self._kept.append(counts.copy())
             self._faulty, self._railed = faulty, railed
             self.samples += len(counts)
-            return VectorBlock.from_rows([], self.design)
+            return first_major, np.zeros(0, np.int64)
 
-        rows = _Rows(np.concatenate(self._kept, dtype=np.int64), counts)
-        components, rails = self._computed(rows, majors)
+        rows = Rows(np.concatenate(self._kept, dtype=np.int64), counts)
+        rails = compute(rows, majors)
         history = self._arithmetic.history
         self._check_rows(rows, majors * span + history, len(rows))
         still_needed = rows[majors * span : len(rows)].astype(np.int64)
 
-        major = np.arange(first_major, first_major + majors, dtype=np.int64)
-        status = np.where(major < self.design.short_majors, STATUS_SHORT_HISTORY, 0)
+        status = np.zeros(majors, np.int64)
+        status[: max(self.design.short_majors - first_major, 0)] = STATUS_SHORT_HISTORY
         status[rails] |= STATUS_RAIL
         left = []
         for marked, bit in ((faulty, STATUS_FAULT), (railed, STATUS_RAIL)):
@@ -192,84 +254,51 @@ class FastModel:
         self._faulty, self._railed = left
         self.samples += len(counts)
         self._taken += len(counts)
-        return VectorBlock(major, status, components)
+        return first_major, status
 
-    def feed_in_parts(
-        self, counts: ArrayLike, faults: ArrayLike | None, size: int
-    ) -> Iterator[VectorBlock]:
-        """`feed` with some samples at a time, for who needs no result twice.
-
-        Args:
-            counts, faults: as for `feed`.
-            size: samples of a part.
-
-        Yields:
-            The results that each part completes.
-
-        Raises:
-            InputError: as `feed`; then nothing of them is taken.
-        """
-        counts = _as_counts(counts)
-        marks = None if faults is None else _as_faults(faults, len(counts))
-        before = (self.samples, [*self._kept], self._faulty, self._railed, self._taken)
-        kept = None if self._compensator is None else self._compensator.kept
-        try:
-            for start in range(0, max(len(counts), 1), size):
-                part = slice(start, start + size)
-                yield self.feed(counts[part], None if marks is None else marks[part])
-        except InputError:
-            self.samples, self._kept, self._faulty, self._railed, self._taken = before
-            if self._compensator is not None and kept is not None:
-                self._compensator.kept = kept
-            raise
-
-    def _computed(self, rows: _Rows, majors: int) -> tuple[Integers, NDArray[np.bool_]]:
-        """Components of major intervals, and whether each has a count at an end of its width.
+    def _computed(self, rows: Rows, majors: int, place: _Place, size: int) -> NDArray[np.bool_]:
+        """Compute major intervals; whether each has a count at an end of its width.
 
         Args:
             rows: the history and the samples after it.
             majors: how many intervals.
+            place: of the results.
+            size: intervals at a time.
         """
-        span, limbs = self.design.samples_per_major, self._arithmetic.limbs
-        # the kernel writes nothing between minor intervals where there is but one
-        memory = np.zeros if self.design.algorithm.minors == 1 else np.empty
-        results = memory((majors, len(self.design.components), limbs), np.int64)
+        span = self.design.samples_per_major
         rails = np.empty(majors, np.bool_)
         kernel = self._kernel_if_worth(rows)
         if kernel is None:
-            self._by_arithmetic(rows, results, rails)
+            self._by_arithmetic(rows, place, rails, min(size, self._arithmetic.majors))
         else:
             # first what reaches into the rows that were kept, which must be copied
             head = min(-(-len(rows.kept) // span), majors)
-            edges = sorted({0, *range(head, majors, self._block), majors})
-            _share(partial(self._by_kernel, kernel, rows, results, rails), edges, self._threads)
-        return from_limbs(results), rails
+            edges = sorted({*range(0, head, size), *range(head, majors, size), majors})
+            _share(partial(self._by_kernel, kernel, rows, place, rails), edges, self._threads)
+        return rails
 
     def _by_kernel(
-        self,
-        kernel: Kernel,
-        rows: _Rows,
-        results: NDArray[np.int64],
-        rails: NDArray[np.bool_],
-        first: int,
-        last: int,
+        self, kernel: Kernel, rows: Rows, place: _Place, rails: NDArray[np.bool_], *edges: int
     ) -> None:
-        """Fill in the results of some major intervals."""
-        span, history = self.design.samples_per_major, self._arithmetic.history
+        """Compute the results of some major intervals."""
+        (first, last), span = edges, self.design.samples_per_major
+        history = self._arithmetic.history
         begin, end = first * span, last * span + history
         if not np.can_cast(rows.counts.dtype, np.int64):  # the greatest would wrap
             self._check_rows(rows, begin, end)
         narrow = np.can_cast(rows.counts.dtype, np.int32)
         block = rows[begin:end].astype(np.int32 if narrow else np.int64, copy=False)
         block = np.require(block, None, ["C", "A"])
-        done = first + kernel(block, history, results[first:last], rails[first:last])
+        results = place.room(first, last)
+        done = first + kernel(block, history, results[: last - first], rails[first:last])
         if done < last:
             self._check_rows(rows, done * span + history, (done + 1) * span + history)
+        place.done(first, last, results)
 
     def _by_arithmetic(
-        self, rows: _Rows, results: NDArray[np.int64], rails: NDArray[np.bool_]
+        self, rows: Rows, place: _Place, rails: NDArray[np.bool_], size: int
     ) -> None:
-        """Fill in all results."""
+        """Compute all results."""
         span, history = self.design.samples_per_major, self._arithmetic.history
         idle = SimpleQueue[Arithmetic]()
         for arithmetic in self._arithmetics:
@@ -278,19 +307,19 @@ class FastModel:
         def compute(first: int, last: int) -> None:
             begin, end = first * span, last * span + history
             self._check_rows(rows, begin, end)
-            block = rows[begin:end]
+            block, results = rows[begin:end], place.room(first, last)
             arithmetic = idle.get()
             try:
-                results[first:last] = limbs_of(arithmetic.components(block))
+                results[: last - first] = limbs_of(arithmetic.components(block))
             finally:
                 idle.put(arithmetic)
-            made = self._compensator is not None  # then `feed` knows
+            made = self._compensator is not None  # then `_taken_by` knows
             rails[first:last] = False if made else self._at_rail(block[history:])
+            place.done(first, last, results)
 
-        majors = len(results)
-        _share(compute, [*range(0, majors, self._arithmetic.majors), majors], self._threads)
+        _share(compute, [*range(0, len(rails), size), len(rails)], self._threads)
 
-    def _kernel_if_worth(self, rows: _Rows) -> Kernel | None:
+    def _kernel_if_worth(self, rows: Rows) -> Kernel | None:
         """The kernel, if Numba is there and with these samples there are enough."""
         worth = max(self._taken + len(rows.counts), self._expected) >= self._worth_compiling
         worth = worth and self._compensator is None
@@ -299,7 +328,7 @@ class FastModel:
             self._kernel = None if kernel is None else kernel(self.design)
         return self._kernel
 
-    def _check_rows(self, rows: _Rows, start: int, stop: int) -> None:
+    def _check_rows(self, rows: Rows, start: int, stop: int) -> None:
         """See that rows start..stop-1 fit their widths; what was kept has been seen to."""
         first = max(start - len(rows.kept), 0)
         new = rows.counts[first : max(stop - len(rows.kept), 0)]
@@ -318,7 +347,7 @@ class FastModel:
             return
         try:
             for extreme in (np.minimum, np.maximum):
-                check_widths(words, first, _column_extremes(counts, extreme))
+                check_widths(words, first, column_extremes(counts, extreme))
         except InputError:
             for t, sample in enumerate(counts.tolist(), start=first):
                 check_widths(words, t, sample)
@@ -334,7 +363,7 @@ class FastModel:
         words = self.design.words
         found = np.zeros(len(rows), np.bool_)
         for extreme, end in ((np.minimum, "lo"), (np.maximum, "hi")):
-            for column, count in enumerate(_column_extremes(rows, extreme)):
+            for column, count in enumerate(column_extremes(rows, extreme)):
                 if count == getattr(words.gyro if column < 3 else words.accel, end):
                     found |= rows[:, column] == count
         return found
@@ -374,34 +403,3 @@ def run_fast(design: Design, counts: ArrayLike, faults: ArrayLike | None = None)
         InputError: as `FastModel.feed`.
     """
     return FastModel(design).feed(counts, faults)
-
-
-def _column_extremes(counts: Counts, extreme: np.ufunc) -> list[int]:
-    """Least or greatest count of each column; there must be a sample."""
-    whole = len(counts) // ROW * ROW
-    rows = counts[:whole].reshape(-1, ROW * 6)
-    parts = [counts[whole:], *([extreme.reduce(rows).reshape(ROW, 6)] if whole else [])]
-    columns: list[int] = extreme.reduce(np.concatenate(parts)).tolist()
-    return columns
-
-
-def _as_counts(counts: ArrayLike) -> Counts:
-    array = np.asarray(counts)
-    if array.ndim != 2 or array.shape[1] != 6 or array.dtype.kind not in "iu":
-        raise InputError(
-            f"counts: an array of shape {array.shape} and type {array.dtype} is not allowed,"
-            " give integers of shape (N, 6)"
-        )
-    return array
-
-
-def _as_faults(faults: ArrayLike | None, samples: int) -> NDArray[Any]:
-    if faults is None:
-        return np.zeros(0, np.bool_)
-    array = np.asarray(faults)
-    if array.shape != (samples,) or array.dtype.kind not in "iub":
-        raise InputError(
-            f"faults: an array of shape {array.shape} and type {array.dtype} is not allowed,"
-            f" give {samples} integers or booleans, one per sample"
-        )
-    return array

@@ -7,7 +7,6 @@ Only here do scale factors and denominators enter, in double precision, once a m
 from __future__ import annotations
 
 import sys
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from sculler_model.algorithms import S_DENOMINATOR, SCROLLING_DENOMINATOR
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.fast import FastModel, VectorBlock, limbs_of
+from sculler_model.fast import FastModel, VectorBlock, from_limbs, limbs_of
 from sculler_model.host.compensation import (
     displacement,
     velocity_higher_orders,
@@ -39,8 +38,8 @@ WORTH_WHEN_LOADED = 200_000
 PART = 8192
 """Intervals that numpy scales at a time: few enough for the cache."""
 
-RESULTS = 16384
-"""Results held at a time where Numba scales: more of them cost new memory each time."""
+RESULTS = 8192
+"""Results held at a time: so few stay in the cache of a processor's core."""
 
 
 def major_increments(
@@ -127,26 +126,31 @@ def increments_of(
     Raises:
         InputError: as `FastModel.feed`; then nothing of the samples is taken.
     """
-    design, span = model.design, model.design.samples_per_major
-    majors = (model.leftover + len(np.asarray(counts))) // span
-    blocks = model.feed_in_parts(counts, faults, RESULTS * span)
+    design = model.design
+    majors = (model.leftover + len(np.asarray(counts))) // design.samples_per_major
     plain = not design.high_resolution and design.order == 2
-    if not plain or not _is_worth_compiling(majors) or compiled_scale() is None:
-        return MajorIncrements.concatenate([major_increments(design, each) for each in blocks])
-    statuses = np.empty(majors, np.int64)
-    whole, done = replace(_none_yet(majors), status=statuses), 0
-    with ThreadPoolExecutor(1) as other:  # scales a part while the next one is computed
-        waiting: Future[None] | None = None
-        for block in blocks:
-            part = whole[done : done + len(block)]
-            if waiting is not None:
-                waiting.result()
-            statuses[done : done + len(block)] = block.status
-            waiting = other.submit(_fill, design, block, part)
-            done += len(block)
-        if waiting is not None:
-            waiting.result()
-    return whole
+    if plain and _is_worth_compiling(majors) and compiled_scale() is not None:
+        whole = _none_yet(majors)
+
+        def fill(first: int, limbs: NDArray[np.int64]) -> None:
+            _fill(design, limbs, whole[first : first + len(limbs)])
+
+        return replace(whole, status=model.feed_to(fill, counts, faults, RESULTS))
+    parts = {0: major_increments(design, VectorBlock.from_rows([], design))}
+
+    def scale(first: int, limbs: NDArray[np.int64]) -> None:
+        parts[first] = major_increments(design, _bare(limbs))
+
+    status = model.feed_to(scale, counts, faults, RESULTS)
+    return replace(
+        MajorIncrements.concatenate([parts[first] for first in sorted(parts)]), status=status
+    )
+
+
+def _bare(limbs: NDArray[np.int64]) -> VectorBlock:
+    """Results of which only the integers are known."""
+    none = np.zeros(len(limbs), np.int64)
+    return VectorBlock(none, none, from_limbs(limbs))
 
 
 def _is_worth_compiling(majors: int) -> bool:
@@ -178,26 +182,27 @@ def _compiled(design: Design, block: VectorBlock) -> MajorIncrements:
     if compiled_scale() is None:
         return _scaled(design, block)
     found = replace(_none_yet(len(block)), status=block.status, times=block.times)
+    limbs = limbs_of(block.components)
     for first in range(0, len(block), RESULTS):
         part = slice(first, first + RESULTS)
-        _fill(design, block[part], found[part])
+        _fill(design, limbs[part], found[part])
     return found
 
 
-def _fill(design: Design, block: VectorBlock, found: MajorIncrements) -> None:
+def _fill(design: Design, limbs: NDArray[np.int64], found: MajorIncrements) -> None:
     """Fill in φ, α and ΔV_SF through Numba, which is there."""
     scale, floats = compiled_scale(), compiled_floats()
     assert scale is not None
     assert floats is not None
-    numbers: NDArray[Any] = limbs_of(block.components)
+    numbers: NDArray[Any] = limbs
     if numbers.shape[2] == 1:
         numbers = numbers[..., 0]
     else:
-        limbs, numbers = numbers, np.empty(numbers.shape[:2])
+        numbers = np.empty(limbs.shape[:2])
         floats(limbs, numbers)
     left = scale(numbers, _units(design), found.phi, found.alpha, found.dv_sf)
     if left.any():
-        found.dv_sf[left] = _scaled(design, block[left]).dv_sf
+        found.dv_sf[left] = _scaled(design, _bare(limbs[left])).dv_sf
 
 
 def _with_displacement(design: Design, block: VectorBlock) -> MajorIncrements:
