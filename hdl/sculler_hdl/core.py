@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from sculler_hdl.compact.core import CompactCore
+from sculler_hdl.compensated.core import CompensatedCore
 from sculler_hdl.hardened.compact import HardenedCompactCore
 from sculler_hdl.hardened.pipelined import HardenedPipelinedCore
 from sculler_hdl.pipelined.core import PipelinedCore
-from sculler_hdl.plan.timing import require_no_compensation, require_one_channel
+from sculler_hdl.plan.timing import require_one_channel
 from sculler_model.design import Design
 
-Core = CompactCore | PipelinedCore | HardenedCompactCore | HardenedPipelinedCore
+Core = CompactCore | PipelinedCore | HardenedCompactCore | HardenedPipelinedCore | CompensatedCore
 
 
 def build_core(design: Design, *, primitive: bool = True) -> Core:
@@ -21,10 +22,11 @@ def build_core(design: Design, *, primitive: bool = True) -> Core:
             which cannot run instances, with the same behaviour on every clock.
 
     Raises:
-        InputError: `hardware.multipliers` are too few, or the design has compensation.
+        InputError: `hardware.multipliers` are too few.
     """
-    require_no_compensation(design)
     require_one_channel(design)
+    if design.compensation is not None:
+        return CompensatedCore(design, primitive=primitive)
     if design.hardware.hardening is not None:
         compact = design.hardware.core == "compact"
         made = HardenedCompactCore if compact else HardenedPipelinedCore

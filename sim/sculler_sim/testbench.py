@@ -31,6 +31,7 @@ from string import Template
 
 from sculler_hdl import Port, counter_ports, result_ports, sample_ports
 from sculler_model.design import STATUS_LOST, Design
+from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
 from sculler_model.golden import (
     COUNTER_MAX,
@@ -85,8 +86,10 @@ def write_testbench(
         The files written.
 
     Raises:
-        InputError: the folder cannot be made or written to.
+        InputError: the folder cannot be made or written to, or the design has compensation.
     """
+    if design.compensation is not None:
+        raise InputError("compensation: the test bench is that of a core without, leave it out")
     files = testbench(design, timing, cells, least)
     folder = make_folder(folder)
     for name, text in files.items():

@@ -59,8 +59,15 @@ class Outcome:
             f" {algorithm.samples} samples; {manifest.latency_clocks} from a major"
             " interval's last sample to its result",
             "widths": f"{', '.join(widths)} bits",
+            **_without_bench(design),
             "wrote": f"{self.folder}/: {', '.join(file.name for file in self.files)}",
         }
+
+
+def _without_bench(design: Design) -> dict[str, str]:
+    if design.compensation is None:
+        return {}
+    return {"test bench": "none, and no properties: they know no compensation; `simulate` does"}
 
 
 def texts_of(generated: Generated) -> dict[str, str]:
@@ -147,9 +154,10 @@ def write_hardware(
         placed: where `sculler place -o` has left its report, for area and clock rate in that page.
 
     Raises:
-        InputError: the folder cannot be made or written to; a clock rate that is none, is not the
-            front end's; that or a board is given without a package; no such board, or the design
-            is none for it; the extra `package` is not installed; no report of this design.
+        InputError: the folder cannot be made or written to; a package or a page is asked for of a
+            design with compensation; a clock rate that is none, is not the front end's; that or a
+            board is given without a package; no such board, or the design is none for it; the extra
+            `package` is not installed; no report of this design.
         ToolError: the core, simulated for the page, is not as the cycle model says.
     """
     given = {"--clock-mhz": clock_mhz, "--board": board, "--bus-clock-mhz": bus_clock_mhz}
@@ -164,6 +172,10 @@ def write_hardware(
             "--bus-clock-mhz: the design's bus has no clock of its own, leave the option out or"
             ' give hardware.bus.clock = "separate"'
         )
+    plain = design.compensation is None
+    if not plain and (packaged or data_sheet):
+        option = "--package" if packaged else "--data-sheet"
+        raise InputError(f"{option}: is not built for a design with compensation, leave it out")
     report = None if placed is None else read_report(placed, design)
     generated = generate(design)
     texts = texts_of(generated)
@@ -176,7 +188,8 @@ def write_hardware(
     with gathering(folder) as gathered:
         for name, text in texts.items():
             (gathered / name).write_text(text, encoding="utf-8", newline="\n")
-        bench = write_testbench(design, gathered, timing(design), generated.cells)
+        # the bench knows the contract of a core without compensation
+        bench = write_testbench(design, gathered, timing(design), generated.cells) if plain else ()
         names = [*texts, *(file.name for file in bench)]
     return Outcome(generated.manifest, folder, tuple(folder / name for name in names))
 

@@ -6,7 +6,7 @@ sample ─▶ Loader ─▶ sample memory ─▶ Engine ─▶ result memory ─
 
 from __future__ import annotations
 
-from amaranth import Cat, Elaboratable, Module, Mux, ResetInserter
+from amaranth import Cat, Elaboratable, Module, Mux, ResetInserter, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -14,7 +14,7 @@ from sculler_hdl.compact.control import Control
 from sculler_hdl.compact.engine import Engine
 from sculler_hdl.compact.loader import Loader
 from sculler_hdl.compact.reader import Reader
-from sculler_hdl.lib.layout import plain_members
+from sculler_hdl.lib.layout import behind_members, plain_members
 from sculler_hdl.lib.losses import Losses, emit_event_counter
 from sculler_hdl.lib.memory import BlockMemory
 from sculler_hdl.plan.compact.digits import OPERAND
@@ -66,6 +66,8 @@ class CompactCore(wiring.Component):
         primitive: whether to instantiate the target's own blocks; False infers all of them, with
             the same behaviour on every clock.
         tied: whether it is one of the copies of a hardened core (`ties`).
+        behind: whether it stands behind compensation, which tells of losses and rails
+            (`behind_members`).
 
     Attributes:
         plan: what it is built of.
@@ -75,17 +77,26 @@ class CompactCore(wiring.Component):
         listing: its schedule as text.
     """
 
-    def __init__(self, design: Design, *, primitive: bool = True, tied: bool = False) -> None:
+    def __init__(
+        self,
+        design: Design,
+        *,
+        primitive: bool = True,
+        tied: bool = False,
+        behind: bool = False,
+    ) -> None:
         self.design = design
         self.primitive = primitive
         self.tied = tied
+        self.behind = behind
         self.plan = plan_compact(design)
         self.timing = self.plan.timing
         self.resources = self.plan.resources
         self.block_groups = None
         self.listing = self.plan.listing
         self.ties = ties(design) if tied else {}
-        super().__init__(plain_members(design) | self.ties)
+        members = behind_members(design) if behind else plain_members(design)
+        super().__init__(members | self.ties)
 
     def elaborate(self, platform: object) -> Elaboratable:
         m = self._made()
@@ -94,10 +105,12 @@ class CompactCore(wiring.Component):
     def _made(self) -> Module:
         m, plan = Module(), self.plan
         m.submodules.control = control = Control(plan)
-        m.submodules.loader = loader = Loader(plan)
+        m.submodules.loader = loader = Loader(plan, told=self.behind)
         m.submodules.engine = engine = Engine(plan, primitive=self.primitive, tied=self.tied)
         m.submodules.reader = reader = Reader(plan, tied=self.tied)
-        m.submodules.losses = losses = Losses(tied=self.tied)
+        losses = None if self.behind else Losses(tied=self.tied)
+        if losses is not None:
+            m.submodules.losses = losses
         m.submodules.samples = samples = BlockMemory(
             plan.target, OPERAND.bits, [0] * (1 << len(loader.address)), primitive=self.primitive
         )
@@ -122,11 +135,9 @@ class CompactCore(wiring.Component):
             samples.write_data.eq(loader.data),
             control.take.eq(take),
             control.fault.eq(self.sample_fault),
-            control.lost.eq(losses.lost),
+            control.lost.eq(self.sample_lost if losses is None else losses.lost),
             control.rail.eq(loader.rail),
-            losses.sample_valid.eq(self.sample_valid),
-            losses.sample_ready.eq(ready),
-            self.samples_lost.eq(losses.count),
+            *self._counted(losses, ready),
             control.loaded.eq(loader.loaded),
             control.result_taken.eq(reader.taken),
             # the engine works on it
@@ -153,7 +164,9 @@ class CompactCore(wiring.Component):
             held = self.agreed_results_dropped if self.tied else None
             dropped = emit_event_counter(m, reader.dropped, "results_dropped", held)
             m.d.comb += self.results_dropped.eq(dropped)
-        if self.tied:
+        if self.behind:
+            m.d.comb += loader.told_rail.eq(self.sample_rail)
+        if self.tied and losses is not None:
             m.d.comb += [
                 losses.held.eq(self.agreed_samples_lost),
                 engine.agreed_digit.eq(self.agreed_digit),
@@ -166,3 +179,13 @@ class CompactCore(wiring.Component):
             ]
             m.d.sync += self.ends_major.eq(take & control.conditions.major_end)
         return m
+
+    def _counted(self, losses: Losses | None, ready: Value) -> list[object]:
+        """What counts samples that are lost, unless what stands before the core does."""
+        if losses is None:
+            return []
+        return [
+            losses.sample_valid.eq(self.sample_valid),
+            losses.sample_ready.eq(ready),
+            self.samples_lost.eq(losses.count),
+        ]

@@ -29,12 +29,15 @@ class Loader(wiring.Component):
         slot (out): the newest sample's.
         write, address, data (out): to the sample memory; the address is the index in the slot,
             then the slot.
+        told_rail (in), where the rail is `told`: that of the sample that is taken.
 
     Args:
         plan: the plan.
+        told: whether a sample comes with its own mark of a count at its rail.
     """
 
-    def __init__(self, plan: CompactPlan) -> None:
+    def __init__(self, plan: CompactPlan, *, told: bool = False) -> None:
+        self.told = told
         self.design = plan.design
         self.digits = plan.sizes.digits_per_count
         self.slots = plan.sizes.kept_samples
@@ -53,6 +56,7 @@ class Loader(wiring.Component):
                 "write": Out(1),
                 "address": Out(index_bits + slot_bits),
                 "data": Out(unsigned(OPERAND.bits)),
+                **({"told_rail": In(1)} if told else {}),
             }
         )
 
@@ -73,13 +77,19 @@ class Loader(wiring.Component):
 
         # the counts move up by one as each has been written
         sample = [self.gyro[i] for i in range(3)] + [self.accel[i] for i in range(3)]
-        top = C(1) if self.digits == 1 else index[0]
+        top = self._top(m, index)
         with m.If(self.take):
             m.d.sync += [count.eq(new) for count, new in zip(counts, sample, strict=True)]
         with m.Elif(top):
             m.d.sync += [count.eq(new) for count, new in pairwise(counts)]
         m.d.comb += self.data.eq(self._digit(counts[0], index))
-        self._find_rail(m, counts[0], self.busy & ~clearing, index)
+        if self.told:
+            at_rail = Signal()
+            with m.If(self.take):
+                m.d.sync += at_rail.eq(self.told_rail)
+            m.d.comb += self.rail.eq(self.busy & ~clearing & at_rail)
+        else:
+            self._find_rail(m, counts[0], self.busy & ~clearing, index)
 
         with m.If(self.busy):
             m.d.sync += index.eq(index + 1)
@@ -92,6 +102,18 @@ class Loader(wiring.Component):
         with m.If(self.take):
             m.d.sync += [self.busy.eq(1), self.slot.eq(self.slot + 1)]
         return m
+
+    def _top(self, m: Module, index: Signal) -> Value:
+        """The word of this index is a count's last."""
+        if self.digits < 3:
+            return C(1) if self.digits == 1 else index[0]
+        self.digit = Signal(range(self.digits))
+        top = self.digit == self.digits - 1
+        with m.If(self.take):
+            m.d.sync += self.digit.eq(0)
+        with m.Elif(self.busy):
+            m.d.sync += self.digit.eq(Mux(top, 0, self.digit + 1))
+        return top
 
     def _find_rail(self, m: Module, count: Signal, loads: Value, index: Signal) -> None:
         """At a rail every bit differs from the sign, which fills up a narrower count."""
@@ -113,6 +135,11 @@ class Loader(wiring.Component):
         words = self.design.words
         if self.digits == 1:
             return count
+        if self.digits > 2:
+            gyro, accel = (
+                self._of_many(count, digit_count(w.bits)) for w in (words.gyro, words.accel)
+            )
+            return Mux(index < self.words // 2, gyro, accel)
         low = Cat(count[:WORD_BITS], C(0, OPERAND.bits - WORD_BITS)).as_signed()
         gyro_single, accel_single = (
             digit_count(counts.bits) == 1 for counts in (words.gyro, words.accel)
@@ -121,3 +148,15 @@ class Loader(wiring.Component):
             single = index < 6 if gyro_single else index >= 6
             low = Mux(single, count[: OPERAND.bits].as_signed(), low)
         return Mux(index[0], count[WORD_BITS:].as_signed(), low)
+
+    def _of_many(self, count: Signal, needed: int) -> Value:
+        """The same of a count that needs so many digits; those above it nobody reads."""
+        digits = [
+            Cat(count[WORD_BITS * i : WORD_BITS * (i + 1)], C(0, OPERAND.bits - WORD_BITS))
+            for i in range(needed - 1)
+        ]
+        top = count[WORD_BITS * (needed - 1) :][: OPERAND.bits].as_signed()
+        chosen: Value = top
+        for i, digit in enumerate(digits):
+            chosen = Mux(self.digit == i, digit.as_signed(), chosen)
+        return chosen

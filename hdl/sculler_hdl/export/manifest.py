@@ -58,7 +58,7 @@ class Manifest:
         meaning, scale factors, latency and throughput in clocks, word lengths, tool versions and
         the SHA-256 of design and Verilog text.
         """
-        design = self.design
+        design, plan = self.design, self.design.compensation_plan
         resources: dict[str, Any] = dict(self.resources)
         if self.block_groups is not None:
             resources["blocks"] = [list(group) for group in self.block_groups]
@@ -76,11 +76,12 @@ class Manifest:
                 "Dw": design.table.sum_denominator,
                 **_higher_denominators(design),
             },
+            **({} if plan is None else {"compensation": plan.as_json()}),
             "latency_clocks": self.latency_clocks,
             "samples_per_major": design.samples_per_major,
             "clocks_per_minor": self.clocks_per_minor,
             "clocks_per_major": self.clocks_per_major,
-            "timing": asdict(self.timing),
+            "timing": _timing(self.timing),
             "resources": resources,
             "stream": _stream(design),
             "word_lengths": {
@@ -101,7 +102,7 @@ def make_manifest(core: Core, verilog_sha256: str) -> Manifest:
         design,
         module_ports(design),
         timing,
-        timing.latency,
+        timing.before + timing.latency,
         clocks_per_minor(design, timing),
         clocks_per_major(design, timing),
         MappingProxyType(dict(core.resources)),
@@ -128,6 +129,14 @@ def _describe(port: Port) -> dict[str, Any]:
         "signed": port.declared_signed,
         "meaning": port.meaning,
     }
+
+
+def _timing(timing: Timing) -> dict[str, Any]:
+    """The clocks; those of compensation where there is one."""
+    found = asdict(timing)
+    if timing.compensation is None:
+        del found["compensation"]
+    return found
 
 
 def _higher_denominators(design: Design) -> dict[str, int]:

@@ -60,8 +60,10 @@ def properties(design: Design) -> str:
 
     Raises:
         InputError: `hardware.multipliers` are too few, or the design has another reset than the
-            usual, or a clock enable.
+            usual, a clock enable, or compensation.
     """
+    if design.compensation is not None:
+        raise InputError("compensation: the properties are those of a core without, leave it out")
     if not design.hardware.clocked_plainly:
         raise InputError(
             "hardware.reset, reset_active, clock_enable: the properties are those of a core with"
@@ -91,8 +93,8 @@ def properties(design: Design) -> str:
 
 
 def property_file(design: Design) -> dict[str, str]:
-    """The same by its file's name; none for a core with another reset or a clock enable."""
-    if not design.hardware.clocked_plainly:
+    """The same by its file's name; none where `properties` has none."""
+    if not design.hardware.clocked_plainly or design.compensation is not None:
         return {}
     return {f"{design.name}_properties.sv": properties(design)}
 

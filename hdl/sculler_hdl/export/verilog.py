@@ -99,9 +99,22 @@ def _about(design: Design, timing: Timing) -> list[str]:
         f"taps over {design.table.denominator}, weights over {design.table.sum_denominator}",
         f"{hardware.core} core, target {hardware.target};"
         f" {rate} clocks per minor interval of {algorithm.samples} samples;"
-        f" result_valid {timing.latency} clocks after a major interval's last sample",
+        f" result_valid {timing.before + timing.latency} clocks after a major interval's last"
+        " sample",
+        *_compensation(design),
         *([] if design.has_initial_values else ["no initial values: reset it before use"]),
         f"design SHA-256 {design.digest}",
         "",
         "Signed ports are two's complement.",
+    ]
+
+
+def _compensation(design: Design) -> list[str]:
+    """What is taken out before the core, if anything is."""
+    plan = design.compensation_plan
+    if plan is None:
+        return []
+    return [
+        f"known errors are taken out of each sample first, in integers over {plan.denominator};"
+        f" results stand for {plan.delay} samples before their last one"
     ]

@@ -28,6 +28,17 @@ def plain_members(design: Design) -> dict[str, wiring.Member]:
     return {name: member for name, member in core_members(design).items() if name != "upset"}
 
 
+def behind_members(design: Design) -> dict[str, wiring.Member]:
+    """`plain_members` of a core behind compensation, which sees what is lost and counts that.
+
+    Members besides:
+        sample_rail (in): a count that the sample is made of stands at its rail.
+        sample_lost (in): a sample was lost before it.
+    """
+    members = {n: member for n, member in plain_members(design).items() if n != "samples_lost"}
+    return members | {"sample_rail": In(1), "sample_lost": In(1)}
+
+
 def shape_of(port: Port) -> object:
     """The shape of a port's signal."""
     return signed(port.bits) if port.declared_signed else unsigned(port.bits)

@@ -16,11 +16,11 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
-from sculler_hdl.lib.layout import plain_members
+from sculler_hdl.lib.layout import behind_members, plain_members
 from sculler_hdl.lib.losses import Losses
 from sculler_hdl.pipelined.datapath import Datapath
 from sculler_hdl.pipelined.handover import HandOver
-from sculler_hdl.pipelined.rails import emit_rail
+from sculler_hdl.pipelined.rails import emit_rail, emit_told_rail
 from sculler_hdl.pipelined.sequencer import Sequencer
 from sculler_hdl.pipelined.stream import StreamHandOver
 from sculler_hdl.plan.arrival import at_once
@@ -71,6 +71,8 @@ class PipelinedCore(wiring.Component):
         primitive: whether to instantiate the target's own multiplier blocks.
         tied: whether it is one of the copies of a hardened core (`ties`), which hands whole results
             over and drops none.
+        behind: whether it stands behind compensation, which tells of losses and rails
+            (`behind_members`).
 
     Attributes:
         plan: what it is built of.
@@ -83,10 +85,18 @@ class PipelinedCore(wiring.Component):
         InputError: see `plan_pipelined`.
     """
 
-    def __init__(self, design: Design, *, primitive: bool = True, tied: bool = False) -> None:
+    def __init__(
+        self,
+        design: Design,
+        *,
+        primitive: bool = True,
+        tied: bool = False,
+        behind: bool = False,
+    ) -> None:
         self.design = design
         self.primitive = primitive
         self.tied = tied
+        self.behind = behind
         self.ties = ties(design) if tied else {}
         self.plan = plan_pipelined(design)
         self.timing = self.plan.timing
@@ -101,7 +111,8 @@ class PipelinedCore(wiring.Component):
         self.resources = self.plan.resources
         self.block_groups = tuple(map(tuple, self.schedule.block_groups))
         self.listing = None
-        super().__init__(plain_members(design) | self.ties)
+        members = behind_members(design) if behind else plain_members(design)
+        super().__init__(members | self.ties)
 
     def elaborate(self, platform: object) -> Elaboratable:
         m = self._made()
@@ -111,18 +122,24 @@ class PipelinedCore(wiring.Component):
         m = Module()
         m.submodules.sequencer = sequencer = self.sequencer
         m.submodules.handover = handover = self.handover
-        m.submodules.losses = losses = Losses(tied=self.tied)
+        losses = None if self.behind else Losses(tied=self.tied)
+        if losses is not None:
+            m.submodules.losses = losses
         m.d.comb += [
             sequencer.sample_valid.eq(self.sample_valid),
             sequencer.sample_fault.eq(self.sample_fault),
             sequencer.result_taken.eq(handover.taken),
-            sequencer.sample_lost.eq(losses.lost),
-            losses.sample_valid.eq(self.sample_valid),
-            losses.sample_ready.eq(self.agreed_ready if self.tied else sequencer.sample_ready),
-            self.sample_ready.eq(sequencer.sample_ready),
-            self.samples_lost.eq(losses.count),
+            sequencer.sample_lost.eq(self.sample_lost if losses is None else losses.lost),
         ]
-        if isinstance(handover, HandOver) and self.tied:
+        if losses is not None:
+            m.d.comb += [
+                losses.sample_valid.eq(self.sample_valid),
+                losses.sample_ready.eq(self.agreed_ready if self.tied else sequencer.sample_ready),
+            ]
+        m.d.comb += self.sample_ready.eq(sequencer.sample_ready)
+        if losses is not None:
+            m.d.comb += self.samples_lost.eq(losses.count)
+        if isinstance(handover, HandOver) and self.tied and losses is not None:
             m.d.comb += [
                 sequencer.agreed_ready.eq(self.agreed_ready),
                 losses.held.eq(self.agreed_samples_lost),
@@ -150,7 +167,10 @@ class PipelinedCore(wiring.Component):
             m.d.sync += status.eq(Mux(sequencer.first, 0, status) | news)
         held = SkewedSignal(m, "status", status, at_once(3, 2))  # the next sample starts another
         short, fault, lost = held.at_clock(STATUS_CLOCK)
-        rail = emit_rail(m, datapath.samples.first, control.taken, control.major_end)
+        if self.behind:
+            rail = emit_told_rail(m, self.sample_rail, control.taken, control.major_end)
+        else:
+            rail = emit_rail(m, datapath.samples.first, control.taken, control.major_end)
         m.d.comb += [
             handover.major_end.eq(control.major_end.at_clock(handover.plan.clock)),
             handover.status.eq(Cat(short, fault, 0, lost)),

@@ -42,9 +42,26 @@ def emit_rail(
             whole.append(Cat(parts).all())
         sensors.append(Signal(name=f"{sensor}_at_rail"))
         m.d.sync += sensors[-1].eq(Cat(whole).any())
+    return _of_interval(m, Cat(sensors).any(), taken, ended)
+
+
+def emit_told_rail(m: Module, told: Value, taken: ControlDelay, ended: ControlDelay) -> Value:
+    """The same where the sample comes with its own mark of that, at clock 0.
+
+    Args:
+        m: the core.
+        told: a count that the sample is made of is at a rail.
+        taken, ended: as for `emit_rail`.
+    """
+    newest = SkewedSignal(m, "told_rail", told, ((1, 0),)).at_clock(RAIL_CLOCK - 2)
+    return _of_interval(m, newest, taken, ended)
+
+
+def _of_interval(m: Module, at_rail: Value, taken: ControlDelay, ended: ControlDelay) -> Value:
+    """At `RAIL_CLOCK`, of the interval so far; of its newest sample two clocks before."""
     newest, rail = Signal(name="newest_at_rail"), Signal(name="rail")
     m.d.sync += [
-        newest.eq(Cat(sensors).any() & taken.at_clock(RAIL_CLOCK - 2)),
+        newest.eq(at_rail & taken.at_clock(RAIL_CLOCK - 2)),
         rail.eq(newest | (rail & ~ended.at_clock(RAIL_CLOCK))),
     ]
     return rail

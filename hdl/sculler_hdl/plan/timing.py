@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from sculler_hdl.plan.compact.plan import plan_compact
+from sculler_hdl.plan.compensation import plan_compensation
 from sculler_hdl.plan.pipelined import plan_pipelined
 from sculler_model.design import Design
 from sculler_model.errors import InputError
@@ -10,19 +11,6 @@ from sculler_model.golden import Timing
 
 LOOKING = 3
 """Clocks that a hardened pipelined core of two copies looks at a result before it shows it."""
-
-
-def require_no_compensation(design: Design) -> None:
-    """See that nothing stands before the core.
-
-    Raises:
-        InputError: something does.
-    """
-    if design.compensation is not None:
-        raise InputError(
-            "compensation: is built in the models and the host, not in hardware yet; leave the"
-            " table out"
-        )
 
 
 def require_one_channel(design: Design) -> None:
@@ -42,10 +30,11 @@ def timing(design: Design) -> Timing:
     """The clocks that the design's core takes; planned, not built.
 
     Raises:
-        InputError: `hardware.multipliers` are too few, or the design has compensation.
+        InputError: `hardware.multipliers` are too few.
     """
-    require_no_compensation(design)
     require_one_channel(design)
+    if design.compensation is not None:
+        return replace(timing(design.inner), compensation=plan_compensation(design).clocks)
     if design.hardware.core == "compact":
         return plan_compact(design).timing
     made = plan_pipelined(design).timing

@@ -14,7 +14,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, ValidationError, ValidationInfo, field_validator
+from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
 from sculler_model.algorithms import Composition, Made, Response, TapTable, composition, make
 from sculler_model.design.algorithm import (
@@ -77,6 +77,7 @@ class Design(Part):
     algorithm: Annotated[Algorithm, Field(description="a table")]
     hardware: Annotated[Hardware, Field(description="a table", validate_default=True)] = Hardware()
     compensation: Annotated[Compensation | None, Field(description="a table")] = None
+    _before: int = PrivateAttr(default=0)  # counts before its own that a compensated sample is of
 
     @field_validator("name")
     @classmethod
@@ -139,6 +140,10 @@ class Design(Part):
         ):
             if value is not None:
                 raise ValueError(f"is not built for a design with {key}: leave one out")
+        if hardware.multipliers == 0:
+            raise ValueError(
+                "is not built without multiplier blocks: give hardware.multipliers = 1"
+            )
         try:
             plan = compensation.plan(sensor)
         except ValueError as error:
@@ -281,13 +286,15 @@ class Design(Part):
         plan = self.compensation_plan
         if plan is None:
             return self
-        return Design.model_construct(
+        inner = Design.model_construct(
             name=self.name,
             sensor=compensated_sensor(self.sensor, plan),
             algorithm=self.algorithm,
             hardware=self.hardware,
             compensation=None,
         )
+        inner._before = plan.reach
+        return inner
 
     @property
     def drops_results(self) -> bool:
@@ -359,8 +366,8 @@ class Design(Part):
 
         A result is of short history (status bit 0) where one of its samples does.
         """
-        plan = self.compensation_plan
-        return short_samples(self.table, self.high_resolution, 0 if plan is None else plan.reach)
+        before = self.inner._before
+        return short_samples(self.table, self.high_resolution, before)
 
     @cached_property
     def short_majors(self) -> int:

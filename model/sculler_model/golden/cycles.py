@@ -30,6 +30,10 @@ is inside.  The contract of both cores:
   result is never taken back.  After a whole result the next is valid `refill` clocks later at the
   earliest.  `major` counts dropped results too.
 * In a clock with `rst` high nothing is taken; afterwards every output is as at power-up.
+* `[compensation]`: a sample of the sensor is taken when none is under way; so the next is ready to
+  be taken in the clock after the core has taken the compensated one, which is offered to it from
+  `Timing.compensation` clocks after the first was taken.  All of the above that is said of samples
+  taken, but for what is lost, is said of that one.
 * `hardening`: `upset` is low and status bit 4 is 0 as long as no bit of the core's state turns
   over.  When one has and the core has seen it, `upset` is high, and status bit 4 is set wherever a
   status is shown, from the next clock on until `Timing.under_way` results have been taken whole.
@@ -104,6 +108,8 @@ class Timing:
         results: how many results may be under way or wait to be taken.
         dropping: of a core that drops results instead of making samples wait for them; for such a
             core `results` means nothing.
+        compensation: clocks from the one that takes a sample of the sensor to the first that offers
+            the core behind it, which all else is of, the compensated one; None without that.
     """
 
     latency: int
@@ -113,6 +119,7 @@ class Timing:
     handover_spacing: int = 1
     results: int = 1
     dropping: Dropping | None = None
+    compensation: int | None = None
 
     def __post_init__(self) -> None:
         least = {"latency": 1, "spacing": 1, "startup": 0, "handover_spacing": 1, "results": 1}
@@ -132,7 +139,18 @@ class Timing:
         """Clocks within which something is taken, if samples are offered and results taken."""
         busy = max(self.work, default=0)
         refill = self.dropping.refill if self.dropping else 0
-        return self.startup + self.spacing + busy + self.latency + self.handover_spacing + refill
+        own = self.startup + self.spacing + busy + self.latency + self.handover_spacing + refill
+        return own + self.before
+
+    @property
+    def before(self) -> int:
+        """Clocks that a sample spends before the core, at least."""
+        return self.compensation or 0
+
+    @property
+    def samples_apart(self) -> int:
+        """Clocks from a sample taken to the next, at least."""
+        return max(self.spacing, self.compensation + 1 if self.compensation else 0)
 
 
 class Ports(NamedTuple):
@@ -186,6 +204,16 @@ class _Waiting(NamedTuple):
     """What the result ports are still to show of it, one after another."""
 
 
+class _UnderWay(NamedTuple):
+    """A sample that is being compensated, or waits for the core."""
+
+    sample: Sample
+    lost: bool
+    """One was lost before it."""
+    offered: int
+    """The clock from which the core may take it."""
+
+
 class CycleModel:
     """Clock by clock twin of a core's ports.
 
@@ -194,7 +222,8 @@ class CycleModel:
         timing: the core's own figures, as in the manifest.
 
     Attributes:
-        golden: the model behind the ports, which has taken the samples that they took.
+        golden: the model behind the ports, which has taken the samples that they took, but for one
+            that is being compensated.
 
     Raises:
         ValueError: `timing.work` is not of as many phases as the design has.
@@ -222,6 +251,8 @@ class CycleModel:
         self._ports_free = self._clock  # clock from which the ports are free for the first of them
         self._claims: deque[int] = deque()  # clocks at which a result is to take the place behind
         self._refused = False  # the clock before offered a sample that was not taken
+        self._under_way: _UnderWay | None = None  # what is being compensated
+        self._lost_before = False  # a sample was, and none was taken since
         self._lost, self._dropped = _Counter(), _Counter()
         self._told = 0  # results to be taken until nothing tells of an upset any more
         self._seen = False  # an upset, in the present clock
@@ -231,15 +262,9 @@ class CycleModel:
 
         A reset that acts at once is among those inputs.
         """
-        t = self.golden.t
-        last_is_next = (t + 1) % self.design.samples_per_major == 0
-        has_work = self._work[t % len(self._work)] > 0
-        full = self.timing.dropping is None and len(self._results) == self.timing.results
-        ready = (
-            self._clock >= max(self._next_sample, self._released)
-            and not (has_work and self._clock < self._engine_free)
-            and not (last_is_next and full)
-        )
+        ready = self._core_ready()
+        if self.timing.compensation is not None:
+            ready = self._under_way is None and self._clock >= self._released
         valid, shown = 0, (0,) * len(result_ports(self.design))
         if self._results:
             first = self._results[0]
@@ -249,6 +274,18 @@ class CycleModel:
                     shown = self._with_upset(shown, len(first.shown))
         lost, dropped = self._lost.at(self._clock), self._dropped.at(self._clock)
         return Ports(int(ready), valid, shown, lost, dropped, int(self._told > 0))
+
+    def _core_ready(self) -> bool:
+        """Whether the core takes a sample in the present clock."""
+        t = self.golden.t
+        last_is_next = (t + 1) % self.design.samples_per_major == 0
+        has_work = self._work[t % len(self._work)] > 0
+        full = self.timing.dropping is None and len(self._results) == self.timing.results
+        return (
+            self._clock >= max(self._next_sample, self._released)
+            and not (has_work and self._clock < self._engine_free)
+            and not (last_is_next and full)
+        )
 
     def upset(self) -> None:
         """A hardened core sees an upset in the present clock."""
@@ -288,7 +325,10 @@ class CycleModel:
             self._clock += 1
             self._reset()
             return shown
-        if takes:
+        given, lost = (offered, False) if takes else (None, False)
+        if self.timing.compensation is not None:
+            given, lost = self._compensated()
+        if given is not None:
             self._claim()
         self._drop()
         if shown.result_valid and result_ready:
@@ -296,13 +336,29 @@ class CycleModel:
         if self._seen:
             self._told, self._seen = self.timing.under_way, False
         if self._refused and offered is None:
-            self.golden.lose()
+            self._lost_before = True
             self._lost.count(self._clock + 2)
+        if self.timing.compensation is None and self._lost_before:
+            lost, self._lost_before = True, False
+        if lost:
+            self.golden.lose()
         self._refused = offered is not None and not takes
-        if offered is not None and takes:
-            self._take_sample(offered)
+        if given is not None:
+            self._take_sample(given)
+        if self.timing.compensation is not None and offered is not None and takes:
+            clock = self._clock + self.timing.compensation
+            self._under_way = _UnderWay(offered, self._lost_before, clock)
+            self._lost_before = False
         self._clock += 1
         return shown
+
+    def _compensated(self) -> tuple[Sample | None, bool]:
+        """What the core takes in this clock of what stands before it, and its mark of a loss."""
+        waits = self._under_way
+        if waits is None or self._clock < waits.offered or not self._core_ready():
+            return None, False
+        self._under_way = None
+        return waits.sample, waits.lost
 
     def _claim(self) -> None:
         """A sample is taken in this clock; if it is an interval's last, its result wants room."""

@@ -12,10 +12,10 @@ def clocks_per_minor(design: Design, timing: Timing) -> int:
     n = design.algorithm.samples
     busy = [(k, work) for k, work in enumerate(timing.work, start=1) if work]
     if not busy:
-        return n * timing.spacing
+        return n * timing.samples_apart
     following = [k for k, _ in busy[1:]] + [busy[0][0] + n]
     return sum(
-        max((later - k) * timing.spacing, work)
+        max((later - k) * timing.samples_apart, work)
         for (k, work), later in zip(busy, following, strict=True)
     )
 

@@ -1,0 +1,1 @@
+"""Compensation in exact integers, and a core behind it."""

@@ -1,0 +1,216 @@
+"""What takes known errors out of samples before the core: exact integers, one product a clock."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from amaranth import C, Cat, Module, Mux, Signal, Value, signed
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import In, Out
+
+from sculler_hdl.lib.accumulator import Accumulator
+from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
+from sculler_hdl.lib.memory import BlockMemory
+from sculler_hdl.lib.multiplier import Multiplier
+from sculler_hdl.plan.arrival import last_clock
+from sculler_hdl.plan.compensation import COUNTS, FIRST_STEP, PLACES, CompensationStage
+
+
+class Compensator(wiring.Component):
+    """Takes a sample of the sensor, and offers the sample of the core that is made of it.
+
+    The counts are written into a memory of the last samples, one a clock.  Then the products of the
+    plan's steps run through one multiplier and one accumulator.  A sum goes to the end of the row
+    of outputs when it is whole.
+
+    Latency: `plan.clocks`, from the clock that takes a sample to the first in which the other is
+    offered.  One sample at a time: the next is taken in the clock after the other was, at the
+    earliest.  Counts before the first sample after reset are zero.
+
+    Members:
+        sample_valid, sample_ready: the handshake of the sensor's sample.
+        gyro, accel, fault (in): its counts and its mark.
+        lost (in): a sample was lost before it.
+        made_valid, made_ready: the handshake of the core's sample.
+        made (out): its six numbers, gyro x, y, z and accelerometer x, y, z.
+        made_fault, made_rail (out): a sample that it is made of had the mark, a count at its rail.
+        made_lost (out): a sample was lost before the newest of them.
+
+    Args:
+        plan: the plan.
+        primitive: whether to instantiate the target's own blocks.
+    """
+
+    def __init__(self, plan: CompensationStage, *, primitive: bool = True) -> None:
+        self.plan = plan
+        self.primitive = primitive
+        words = plan.design.words
+        super().__init__(
+            {
+                "sample_valid": In(1),
+                "sample_ready": Out(1, init=1),
+                "gyro": In(data.ArrayLayout(signed(words.gyro.bits), 3)),
+                "accel": In(data.ArrayLayout(signed(words.accel.bits), 3)),
+                "fault": In(1),
+                "lost": In(1),
+                "made_valid": Out(1),
+                "made_ready": In(1),
+                "made": Out(data.ArrayLayout(signed(plan.sums.bits), COUNTS)),
+                "made_fault": Out(1),
+                "made_rail": Out(1),
+                "made_lost": Out(1),
+            }
+        )
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        take, given = Signal(), Signal()
+        m.d.comb += [
+            take.eq(self.sample_valid & self.sample_ready),
+            given.eq(self.made_valid & self.made_ready),
+        ]
+        m.d.sync += self.sample_ready.eq((self.sample_ready & ~take) | given)
+        slot = Signal(self.plan.slot_bits)
+        age = Signal(range(self.plan.reach + 1))  # samples since reset but the newest, as it counts
+        begun = Signal()
+        with m.If(take):
+            m.d.sync += [slot.eq(slot + 1), begun.eq(1)]
+            with m.If(begun & (age != self.plan.reach)):
+                m.d.sync += age.eq(age + 1)
+        m.submodules.samples = samples = BlockMemory(
+            self.plan.target,
+            self.plan.counts.bits,
+            [0] * (PLACES << self.plan.slot_bits),
+            primitive=self.primitive,
+        )
+        count, loads, is_gyro = self._load(m, take, slot, samples)
+        self._marks(m, take, count, loads, is_gyro)
+        whole = self._sums(m, take, slot, age, samples)
+        with m.If(whole):
+            m.d.sync += self.made_valid.eq(1)
+        with m.If(given):
+            m.d.sync += self.made_valid.eq(0)
+        return m
+
+    def _load(
+        self, m: Module, take: Value, slot: Value, samples: BlockMemory
+    ) -> tuple[Signal, Signal, Value]:
+        """Write the counts, one a clock: the one that is, whether one is, whether it's a gyro's."""
+        bits = self.plan.counts.bits
+        counts = [Signal(signed(bits), name=f"count{i}", reset_less=True) for i in range(COUNTS)]
+        sample = [sensor[i] for sensor in (self.gyro, self.accel) for i in range(3)]
+        loads, place = Signal(), Signal(range(COUNTS))
+        with m.If(take):
+            m.d.sync += [count.eq(new) for count, new in zip(counts, sample, strict=True)]
+            m.d.sync += [loads.eq(1), place.eq(0)]
+        with m.Elif(loads):
+            m.d.sync += [count.eq(new) for count, new in pairwise(counts)]
+            m.d.sync += place.eq(place + 1)
+            with m.If(place == COUNTS - 1):
+                m.d.sync += [loads.eq(0), place.eq(0)]
+        m.d.comb += [
+            samples.write.eq(loads),
+            samples.write_address.eq(_address(place, slot)),
+            samples.write_data.eq(counts[0]),
+        ]
+        return counts[0], loads, place < COUNTS // 2
+
+    def _marks(self, m: Module, take: Value, count: Signal, loads: Signal, is_gyro: Value) -> None:
+        """Faults and rails of the samples that one is made of, the newest first."""
+        kept = self.plan.reach + 1
+        faults, rails = Signal(kept), Signal(kept)
+        # at a rail every bit differs from the sign, which fills up a narrower count
+        words = self.plan.design.words
+        *bits, sign = count
+        few = Signal(-(-len(bits) // 3))
+        loaded = Signal()
+        m.d.sync += loaded.eq(loads)
+        for i, part in enumerate(few):
+            differ = Value.cast(1)
+            for place in range(3 * i, min(3 * i + 3, len(bits))):
+                beyond = [is_gyro] * (place >= words.gyro.bits - 1)
+                beyond += [~is_gyro] * (place >= words.accel.bits - 1)
+                differ &= Cat(bits[place] != sign, *beyond).any()
+            m.d.sync += part.eq(differ)
+        with m.If(loaded & few.all()):
+            m.d.sync += rails[0].eq(1)
+        with m.If(take):
+            m.d.sync += [
+                faults.eq(Cat(self.fault, faults[:-1])),
+                rails.eq(Cat(C(0, 1), rails[:-1])),
+                self.made_lost.eq(self.lost),
+            ]
+        m.d.comb += [self.made_fault.eq(faults.any()), self.made_rail.eq(rails.any())]
+
+    def _sums(self, m: Module, take: Value, slot: Value, age: Value, samples: BlockMemory) -> Value:
+        """Run the steps; high in the clock in which the last of the outputs is whole."""
+        plan = self.plan
+        m.submodules.multiplier = multiplier = Multiplier(
+            plan.multiplier, plan.limb, primitive=self.primitive
+        )
+        m.submodules.accumulator = accumulator = Accumulator(plan.accumulator)
+        started = ControlDelay(m, "started", take).at_clock(FIRST_STEP)
+        runs, number = Signal(), Signal(range(len(plan.steps)))
+        final = number == len(plan.steps) - 1
+        steps = Signal()  # this clock has a step: its number
+        m.d.comb += steps.eq(runs | started)
+        with m.If(steps):
+            m.d.sync += [runs.eq(~final), number.eq(Mux(final, 0, (number + 1)[: len(number)]))]
+
+        # what a step is, a clock later
+        address = Signal(len(samples.address))
+        constant, factor = Signal(plan.counts.bits), Signal(signed(plan.factor_bits))
+        counts, last = Signal(), Signal()
+        m.d.sync += [constant.eq(0), counts.eq(0)]
+        with m.Switch(number):
+            for i, step in enumerate(plan.steps):
+                with m.Case(i):
+                    m.d.sync += [factor.eq(step.factor), last.eq(step.last)]
+                    if step.constant is not None:
+                        m.d.sync += constant.eq(1 << step.constant)
+                    else:
+                        back = (slot - step.lag)[: len(slot)]
+                        m.d.sync += address.eq(_address(C(step.source, 3), back))
+                        m.d.sync += counts.eq(C(step.lag, len(age) + 1) <= age)
+        m.d.comb += [samples.step.eq(1), samples.address.eq(address)]
+
+        # the operands, `plan.operands` clocks after the step
+        read = plan.operands - 1
+        words = {
+            name: SkewedSignal(m, name, value, ((len(value), 1),))
+            for name, value in (
+                ("constant", constant),
+                ("factor", factor),
+                ("counts", counts),
+            )
+        }
+        gate = words["counts"].at_clock(read).replicate(plan.counts.bits)
+        operand = Signal(plan.counts.bits, reset_less=True)
+        m.d.sync += operand.eq((samples.data & gate) | words["constant"].at_clock(read))
+        m.d.comb += [
+            multiplier.left.eq(operand),
+            multiplier.right.eq(words["factor"].at_clock(plan.operands)),
+            accumulator.input.eq(multiplier.output),
+        ]
+        assert multiplier.arrival == plan.product.arrival
+        flag = ControlDelay(m, "step", steps)
+        ends = ControlDelay(m, "ends", last & flag.at_clock(1), 1)
+        finals = ControlDelay(m, "final", final & steps)
+        clock = plan.operands + plan.accumulator.clock
+        m.d.comb += [
+            accumulator.step.eq(flag.at_clock(clock)),
+            accumulator.last.eq(ends.at_clock(clock)),
+        ]
+        total = SkewedSignal(m, "sum", accumulator.newest, plan.accumulator.arrival)
+        made = [Signal(plan.sums.bits, name=f"made{i}", reset_less=True) for i in range(COUNTS)]
+        with_sum = total.at_clock(last_clock(plan.accumulator.arrival))
+        moves, whole = ends.at_clock(plan.summed), finals.at_clock(plan.summed)
+        with m.If(moves):
+            m.d.sync += [one.eq(then) for one, then in pairwise([*made, with_sum])]
+        m.d.comb += [self.made[i].eq(one) for i, one in enumerate(made)]
+        return whole
+
+
+def _address(place: Value, slot: Value) -> Value:
+    """Of a count in the memory of samples."""
+    return Cat(place, C(0, 3 - len(place)), slot)
