@@ -22,8 +22,11 @@ from sculler_model.design import (
     SensorErrors,
     Term,
 )
+from sculler_model.design.matrices import inverse
+from sculler_model.design.size_effect import size_effect
 from sculler_model.errors import InputError
 from sculler_model.fast import FastModel, VectorBlock
+from sculler_model.fast.compensation import FastCompensator
 from sculler_model.frames import STANDARD_GRAVITY
 from sculler_model.golden import GoldenModel
 from sculler_model.host import major_increments
@@ -170,6 +173,11 @@ CASES = {
     "late": ({**ERRORS, "delay_samples": 0.4, "taps": 4}, "increment", 16),
     "early": ({"delay_samples": -3.5, "denominator": 1 << 17}, "rate", 32),
     "wide": ({**ERRORS, "delay_samples": 2.5, "denominator": 1 << 16}, "increment", 32),
+    "arms": (
+        {**ERRORS, "arms_m": [[0.1, 0.02, -0.03]] * 3, "accel_denominator": 1 << 30},
+        "increment",
+        24,
+    ),
 }
 
 
@@ -273,6 +281,101 @@ def test_what_a_sensor_does_wrong_is_gone_at_the_host(kind: str) -> None:
     assert np.abs(left.dv_sf - want.dv_sf)[inner].max() / T > 100 * forces
 
 
+ARMS = [[0.1, 0.02, -0.03], [0.05, -0.2, 0.01], [0.0, 0.03, 0.15]]
+
+
+class TestSizeEffect:
+    def test_it_is_that_of_a_rate_that_is_a_polynomial(self) -> None:
+        """ω̇×r over a sample and ω×(ω×r) of its mean rate, exact in fractions, M and b included."""
+        rng = random.Random(5)
+
+        def some(many: int) -> list[Fraction]:
+            return [Fraction(rng.randrange(-999, 999), 1000) for _ in range(many)]
+
+        arm, bias, T = some(3), some(3), Fraction(1, 100)
+        units = (Fraction(3, 1000), Fraction(7, 1000))
+        felt = [
+            [1 + each / 9 if i == j else each / 9 for j, each in enumerate(some(3))]
+            for i in range(3)
+        ]
+        polynomial = [some(6) for _ in range(3)]  # of fifth degree, rad/s over t/T
+
+        def rate(axis: int, at: Fraction) -> Fraction:
+            return sum(c * at**k for k, c in enumerate(polynomial[axis]))
+
+        def mean(axis: int, at: int) -> Fraction:
+            return sum(
+                c * (Fraction(at + 1) ** (k + 1) - Fraction(at) ** (k + 1)) / (k + 1)
+                for k, c in enumerate(polynomial[axis])
+            )
+
+        counts = {  # of the samples about sample 0: b + L s
+            o: [
+                bias[i] + sum(felt[i][j] * mean(j, o) / units[0] for j in range(3))
+                for i in range(3)
+            ]
+            for o in range(-3, 4)
+        }
+        change = [rate(axis, Fraction(1)) - rate(axis, Fraction(0)) for axis in range(3)]
+        turn = [mean(axis, 0) for axis in range(3)]
+        inward = fraction_cross(turn, fraction_cross(turn, arm))
+        for axis in range(3):
+            found = size_effect(axis, tuple(arm), inverse(felt), tuple(bias), units, T)
+            total = found.constant
+            for source, weights in found.linear.items():
+                total += sum(w * counts[o][source] for o, w in weights.items())
+            for (one, two), factor in found.products.items():
+                total += factor * counts[0][one] * counts[0][two]
+            wanted = fraction_cross(change, arm)[axis] / T + inward[axis]
+            assert total * units[1] == wanted
+
+    def test_a_steady_turn_is_centripetal(self) -> None:
+        """At 0.2 m from the axis of 1 rad/s the x accelerometer feels 0.2 m/s² inward."""
+        one = design({"arms_m": [[0.2, 0.0, 0.0]] * 3, "accel_denominator": 1 << 30}, kind="rate")
+        counts = np.tile([0, 0, 100_000, -2000, 0, 0], (40, 1))  # 1e-5 rad/s, 1e-4 m/s²
+        golden = GoldenModel(one)
+        for row in counts.tolist():
+            golden.step(tuple(row[:3]), tuple(row[3:]))
+        x, y, z = (each / (1 << 30) for each in golden.r[-1])
+        assert abs(x) < 2000 * 0.003  # a unit of the factor is 1/215 of it
+        assert y == 0  # at (0.2, 0, 0) too, and the axis is z: across ω × (ω × r)
+        assert z == 0
+
+    @pytest.mark.parametrize("kind", ["increment", "rate"])
+    def test_accelerometers_apart_are_brought_together(self, kind: str) -> None:
+        """Spinning and rocking, against the motion's own samples where there are no arms."""
+        errors = {**ERRORS, "arms_m": ARMS, "delay_samples": 0.4}
+        motion = spin_rock_size(radians(48), radians(11), 500.0, arm=0.0)
+        sensor = design(None, kind).as_json()["sensor"]
+        wrong = Design.parse(
+            {**design(None, kind).as_json(), "sensor": {**sensor, "errors": errors}}
+        )
+        (perfect,) = motion.chunks(wrong.sensor.kind, 300, 1e-3)
+        (placed,) = as_felt(motion, wrong).chunks(wrong.sensor.kind, 300, 1e-3)
+        counts = Quantiser(wrong)(Imperfect(wrong)(placed))
+        sizes = {"denominator": 1 << 20, "accel_denominator": 1 << 31}
+        offs = []
+        for known in (errors, {k: v for k, v in errors.items() if k != "arms_m"}):
+            one = design(known | sizes, kind)
+            plan = plan_of(one)
+            found = FastCompensator(plan)(counts)[:, 3:] / plan.accel_denominator
+            want = perfect[:, 3:] / one.sensor.accel.lsb
+            behind = plan.delay
+            offs.append(np.abs(found[behind:] - want[: 300 - behind])[12:-12].max())
+        with_arms, without = (each * 1e-4 for each in offs)  # m/s²
+        # a gyro's count, 1e-5 rad/s, in (S2), over 1 ms and at 0.2 m, makes 2e-3 m/s²
+        assert with_arms < 4e-3
+        assert without > 50 * with_arms
+
+
+def fraction_cross(a: list[Fraction], b: list[Fraction]) -> list[Fraction]:
+    return [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+
+
 REFUSED: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
     "random": (
         {"gyro": {"flicker": 1.0}},
@@ -281,14 +384,14 @@ REFUSED: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
     ),
     "drawn": ({"accel": {"bias": {"sigma": 1.0}}}, {}, "accel.bias: is random"),
     "bent": ({"gyro": {"square": 1.0}}, {}, "gyro.square: is not linear in the samples"),
-    "arms": ({"arms_m": [[0.1, 0, 0]] * 3}, {}, "arms_m"),
+    "arms": ({"arms_m": [[0.1, 0.0]] * 3}, {}, "arms_m"),
     "odd": ({"taps": 5}, {}, "taps: 5 is not allowed, give an even number"),
     "late": ({"delay_samples": 9.0}, {}, "delay_samples: 9 is not allowed"),
     "wide": (
         {"denominator": 1 << 40},
         {},
-        r"compensation.denominator: 1099511627776 makes samples of 64 bits, more than the 50 that"
-        r" a core can take; give 2\^26 = 67108864 or less",
+        r"compensation.denominator: 1099511627776 makes samples of 64 bits, more than the 62 that"
+        r" a core can take; give 2\^38 = 274877906944 or less",
     ),
     "singular": (
         {"gyro": {"scale_factor": [-1e6, 0.0, 0.0]}},
@@ -311,6 +414,8 @@ def test_what_is_not_built_is_refused_in_a_line(
 
 
 def test_the_denominator_that_is_said_to_fit_fits() -> None:
-    assert design({"denominator": 1 << 26}).inner.sensor.gyro.bits == 50
-    with pytest.raises(InputError, match="more than the 50"):
-        design({"denominator": 1 << 27})
+    assert design({"denominator": 1 << 38}).inner.sensor.gyro.bits == 62
+    with pytest.raises(InputError, match="more than the 62"):
+        design({"denominator": 1 << 39})
+    with pytest.raises(InputError, match="accel_denominator: 1099511627776 makes samples of 64"):
+        design({"accel_denominator": 1 << 40})

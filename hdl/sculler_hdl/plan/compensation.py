@@ -17,6 +17,7 @@ from sculler_hdl.plan.arrival import Limbs, at_once, evenly, last_clock
 from sculler_hdl.plan.multiplier import MultiplierPlan
 from sculler_hdl.targets import TARGETS, Target
 from sculler_model.design import ZERO_RANGE, Design, Interval
+from sculler_model.errors import InputError
 
 COUNTS = 6
 """Of a sample."""
@@ -183,5 +184,15 @@ class CompensationStage:
 
 @lru_cache(maxsize=32)
 def plan_compensation(design: Design) -> CompensationStage:
-    """The stage of a design that has compensation."""
+    """The stage of a design that has compensation.
+
+    Raises:
+        InputError: it has lever arms, which are not built.
+    """
+    plan = design.compensation_plan
+    if plan is not None and plan.has_products:
+        raise InputError(
+            "compensation.arms_m: is built in the models and the host, not in hardware yet; leave"
+            " it out"
+        )
     return CompensationStage(design)

@@ -6,22 +6,23 @@ samples becomes integers over one denominator (`CompensationPlan`).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
-from typing import Annotated, TypeAlias
+from typing import Annotated, NamedTuple
 
 from pydantic import Field, model_validator
 
 from sculler_model.algorithms import fractional_delay, pi_to, rational
-from sculler_model.design.compensation_plan import CompensationPlan, Term
+from sculler_model.design.compensation_plan import CompensationPlan, ProductTerm, Term
 from sculler_model.design.interval import Interval
+from sculler_model.design.matrices import Matrix, Row, dot, inverse, product, scaled
 from sculler_model.design.sensor import Axes, Sensor
 from sculler_model.design.sensor_errors import AxisErrors, SensorErrors, cannot_be_undone
+from sculler_model.design.size_effect import REACH, SizeEffect, size_effect
 
-MAX_SAMPLE_BITS = 50
-"""Of a compensated sample: three digits of the compact core; sums of its products fit `MAX_BITS`.
+MAX_SAMPLE_BITS = 62
+"""Of a compensated sample: four digits of the compact core; the fast twin has it in 64 bits.
 
-A 32-bit sensor has room for D = 2^16.
+A 32-bit sensor has room for D = 2^28.
 """
 
 MAX_DELAY = 8
@@ -30,9 +31,6 @@ MAX_DELAY = 8
 _BENT = ("asymmetry", "square")
 _GRAVITY = Fraction("9.80665")  # m/s²
 _DEGREE_AN_HOUR = pi_to(50) / 180 / 3600  # rad/s
-
-Row: TypeAlias = tuple[Fraction, Fraction, Fraction]
-Matrix: TypeAlias = tuple[Row, Row, Row]
 
 
 class Compensation(SensorErrors):
@@ -43,12 +41,17 @@ class Compensation(SensorErrors):
         delay_samples: how many sample intervals later than the gyros the accelerometers see.
         denominator: D, which all integers stand over; a count of the core is worth 1/D of one of
             the sensor.
+        accel_denominator: that of accelerometers, if it is another.
         taps: samples that a delayed one is made of.
+        arms_m: where each accelerometer sits, from the point that is navigated, body axes, m.
     """
 
     denominator: Annotated[
         int, Field(ge=2, le=1 << 42, description="a whole number from 2 to 2^42")
     ] = 1 << 16
+    accel_denominator: Annotated[
+        int | None, Field(ge=2, le=1 << 42, description="a whole number from 2 to 2^42")
+    ] = None
     taps: Annotated[int, Field(ge=2, le=12, description="an even number from 2 to 12")] = 6
 
     @model_validator(mode="after")
@@ -66,11 +69,6 @@ class Compensation(SensorErrors):
                         f"{name}.{key}: is not linear in the samples, undo it in the log, by"
                         " convert --calibration"
                     )
-        if self.arms_m is not None:
-            raise ValueError(
-                "arms_m: lever arms are not built before the core, undo them in the log, by convert"
-                " --calibration"
-            )
         if self.taps % 2:
             raise ValueError(f"taps: {self.taps} is not allowed, give an even number from 2 to 12")
         if abs(self.delay_samples or 0.0) > MAX_DELAY:
@@ -88,8 +86,9 @@ class Compensation(SensorErrors):
             a = K (a_felt - bₐ)        g = L_g⁻¹ (g_felt - b_g - Γ a)
 
         and where the accelerometers are late by d samples, a is that of d samples later
-        (`fractional_delay`).  The integers of a filter's taps sum to the nearest one of what they
-        stand for, so that a steady count is not changed by their rounding.
+        (`fractional_delay`), less what they feel for their places (`size_effect`).  The integers of
+        a filter's taps sum to the nearest one of what they stand for, so that a steady count is not
+        changed by their rounding.
 
         Args:
             sensor: gives what a count is worth.
@@ -99,61 +98,98 @@ class Compensation(SensorErrors):
         """
         delay = rational(self.delay_samples or 0.0)
         weights = fractional_delay(delay, self.taps)
-        behind = max(0, *weights)
-        units = [_per_count(sensor, axes.lsb) for axes in (sensor.gyro, sensor.accel)]
+        behind = max(0, *weights, REACH if self.arms_m is not None else 0)
+        units = (_per_count(sensor, sensor.gyro.lsb), _per_count(sensor, sensor.accel.lsb))
         gyro, accel = _inverse("gyro", self.gyro), _inverse("accel", self.accel)
-        bias = [
-            tuple(each / unit for each in _vector(axes.bias, size))
-            for axes, unit, size in (
-                (self.gyro, units[0], _DEGREE_AN_HOUR),
-                (self.accel, units[1], _GRAVITY / 1000),
-            )
-        ]
+        bias = (
+            _vector(self.gyro.bias, _DEGREE_AN_HOUR / units[0]),
+            _vector(self.accel.bias, _GRAVITY / 1000 / units[1]),
+        )
         share = units[1] / units[0] / _GRAVITY
         felt = [share * g for g in _vector(self.gyro.g_sensitivity, _DEGREE_AN_HOUR)]
-        crossed = _product(gyro, _scaled(accel, [-each for each in felt]))
-        outputs: list[tuple[Term, ...]] = []
-        for own, other in zip(gyro, crossed, strict=True):
-            terms = [(j, {behind: each}) for j, each in enumerate((*own, *other))]
-            outputs.append(self._terms(terms))
-        for row in accel:
-            spread = [{behind - o: each * w for o, w in weights.items()} for each in row]
-            outputs.append(self._terms([(3 + j, taps) for j, taps in enumerate(spread)]))
-        constants = [
-            -_dot(own, bias[0]) - _dot(other, bias[1])
+        crossed = product(gyro, scaled(accel, [-each for each in felt]))
+        sums = [
+            _Sum(
+                {j: {behind: each} for j, each in enumerate((*own, *other))},
+                -dot(own, bias[0]) - dot(other, bias[1]),
+            )
             for own, other in zip(gyro, crossed, strict=True)
         ]
-        constants += [-_dot(row, bias[1]) for row in accel]
+        for axis, row in enumerate(accel):
+            spread = {
+                3 + j: {behind - o: each * w for o, w in weights.items()}
+                for j, each in enumerate(row)
+            }
+            sums.append(_Sum(spread, -dot(row, bias[1])))
+            if self.arms_m is not None:
+                arm = _vector(self.arms_m[axis], Fraction(1))
+                T = 1 / rational(sensor.sample_rate_hz)
+                more = size_effect(axis, arm, gyro, bias[0], units, T)
+                sums[-1] = sums[-1].less(more, behind)
+        over = [self.denominator] * 3 + [self.accel_denominator or self.denominator] * 3
         plan = CompensationPlan(
-            self.denominator,
-            tuple(outputs),
-            tuple(round(self.denominator * each) for each in constants),
+            over[0],
+            over[-1],
+            tuple(one.terms(D) for one, D in zip(sums, over, strict=True)),
+            tuple(round(D * one.constant) for one, D in zip(sums, over, strict=True)),
             behind,
+            tuple(one.product_terms(D, behind) for one, D in zip(sums, over, strict=True)),
         )
         self._require_narrow(plan, sensor)
         return plan
 
-    def _terms(self, sums: Sequence[tuple[int, dict[int, Fraction]]]) -> tuple[Term, ...]:
-        """The terms of one output, of each count's weights by lag."""
+    def _require_narrow(self, plan: CompensationPlan, sensor: Sensor) -> None:
+        counts = [Interval.signed(axes.bits) for axes in (sensor.gyro, sensor.accel)]
+        own = "accel_denominator" if self.accel_denominator is not None else "denominator"
+        for key, D, total in zip(
+            ("denominator", own), plan.denominators, plan.ranges(*counts), strict=True
+        ):
+            if total.bits <= MAX_SAMPLE_BITS:
+                continue
+            fits = (D >> total.bits - MAX_SAMPLE_BITS).bit_length() - 1
+            way = f"give 2^{fits} = {1 << fits} or less" if fits > 0 else "give smaller errors"
+            raise ValueError(
+                f"{key}: {D} makes samples of {total.bits} bits, more than the {MAX_SAMPLE_BITS}"
+                f" that a core can take; {way}"
+            )
+
+
+class _Sum(NamedTuple):
+    """An output in counts of the sensor, exact.
+
+    Attributes:
+        linear: of each count, 0 to 5, its weights by lag.
+        constant: besides.
+        products: weights of products of two gyros' counts.
+    """
+
+    linear: dict[int, dict[int, Fraction]]
+    constant: Fraction
+    products: dict[tuple[int, int], Fraction] = {}  # noqa: RUF012 - never changed
+
+    def less(self, more: SizeEffect, behind: int) -> _Sum:
+        """Without what is felt for a place; the weights are of samples about that lag."""
+        linear = {
+            source: {behind - o: -w for o, w in weights.items()}
+            for source, weights in more.linear.items()
+        }
+        products = {pair: -each for pair, each in more.products.items()}
+        return _Sum(linear | self.linear, self.constant - more.constant, products)
+
+    def terms(self, D: int) -> tuple[Term, ...]:
+        """The linear part in integers over D."""
         found = []
-        for source, weights in sums:
-            whole = {lag: round(self.denominator * each) for lag, each in weights.items()}
+        for source, weights in self.linear.items():
+            whole = {lag: round(D * each) for lag, each in weights.items()}
             largest = max(whole, key=lambda lag: abs(weights[lag]))
-            whole[largest] += round(self.denominator * sum(weights.values())) - sum(whole.values())
+            whole[largest] += round(D * sum(weights.values())) - sum(whole.values())
             found += [Term(source, lag, whole[lag]) for lag in sorted(whole) if whole[lag]]
         return tuple(found)
 
-    def _require_narrow(self, plan: CompensationPlan, sensor: Sensor) -> None:
-        counts = [Interval.signed(axes.bits) for axes in (sensor.gyro, sensor.accel)]
-        bits = max(each.bits for each in plan.ranges(*counts))
-        if bits <= MAX_SAMPLE_BITS:
-            return
-        fits = (self.denominator >> bits - MAX_SAMPLE_BITS).bit_length() - 1
-        way = f"give 2^{fits} = {1 << fits} or less" if fits > 0 else "give smaller errors"
-        raise ValueError(
-            f"denominator: {self.denominator} makes samples of {bits} bits, more than the"
-            f" {MAX_SAMPLE_BITS} that a core can take; {way}"
-        )
+    def product_terms(self, D: int, lag: int) -> tuple[ProductTerm, ...]:
+        """The products in integers over D."""
+        whole = ((pair, round(D * each)) for pair, each in self.products.items())
+        return tuple(ProductTerm(*pair, lag, factor) for pair, factor in whole if factor)
 
 
 def compensated_sensor(sensor: Sensor, plan: CompensationPlan) -> Sensor:
@@ -161,8 +197,8 @@ def compensated_sensor(sensor: Sensor, plan: CompensationPlan) -> Sensor:
     given = (sensor.gyro, sensor.accel)
     ranges = plan.ranges(*(Interval.signed(axes.bits) for axes in given))
     gyro, accel = (
-        Axes.model_construct(bits=range_.bits, lsb=axes.lsb / plan.denominator)
-        for axes, range_ in zip(given, ranges, strict=True)
+        Axes.model_construct(bits=range_.bits, lsb=axes.lsb / D)
+        for axes, range_, D in zip(given, ranges, plan.denominators, strict=True)
     )
     return Sensor.model_construct(
         kind=sensor.kind,
@@ -196,42 +232,14 @@ def _linear(errors: AxisErrors) -> list[list[Fraction]]:
 
 
 def _inverse(name: str, errors: AxisErrors) -> Matrix:
-    """The inverse of the matrix, by its cofactors.
+    """The inverse of the axes' matrix.
 
     Raises:
         ValueError: it has none.
     """
-    m = _linear(errors)
-
-    def cofactor(i: int, j: int) -> Fraction:
-        a, b = (i + 1) % 3, (i + 2) % 3
-        c, d = (j + 1) % 3, (j + 2) % 3
-        return m[a][c] * m[b][d] - m[a][d] * m[b][c]
-
-    determinant = sum((m[0][j] * cofactor(0, j) for j in range(3)), Fraction(0))
-    if not determinant:
-        raise ValueError(f"{name}: scale_factor and misalignment make a matrix without an inverse")
-    x, y, z = (
-        (cofactor(0, i) / determinant, cofactor(1, i) / determinant, cofactor(2, i) / determinant)
-        for i in range(3)
-    )
-    return x, y, z
-
-
-def _scaled(matrix: Matrix, rows: Sequence[Fraction]) -> Matrix:
-    """Each row by a factor of its own."""
-    x, y, z = (
-        (factor * row[0], factor * row[1], factor * row[2])
-        for factor, row in zip(rows, matrix, strict=True)
-    )
-    return x, y, z
-
-
-def _product(left: Matrix, right: Matrix) -> Matrix:
-    columns = [tuple(row[j] for row in right) for j in range(3)]
-    x, y, z = ((_dot(r, columns[0]), _dot(r, columns[1]), _dot(r, columns[2])) for r in left)
-    return x, y, z
-
-
-def _dot(left: Sequence[Fraction], right: Sequence[Fraction]) -> Fraction:
-    return sum((a * b for a, b in zip(left, right, strict=True)), Fraction(0))
+    try:
+        return inverse(_linear(errors))
+    except ZeroDivisionError as error:
+        raise ValueError(
+            f"{name}: scale_factor and misalignment make a matrix without an inverse"
+        ) from error

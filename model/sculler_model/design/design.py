@@ -402,16 +402,17 @@ class Design(Part):
     @property
     def gyro_scale(self) -> float:
         """g, rad per count of the products: of the sensor's counts, or of compensated ones."""
-        return self.count_scales[0] / self._finer
+        return self.count_scales[0] / self._finer[0]
 
     @property
     def accel_scale(self) -> float:
         """a, m/s per count of the products, as `gyro_scale`."""
-        return self.count_scales[1] / self._finer
+        return self.count_scales[1] / self._finer[1]
 
     @property
-    def _finer(self) -> int:
-        return 1 if self.compensation is None else self.compensation.denominator
+    def _finer(self) -> tuple[int, int]:
+        plan = self.compensation_plan
+        return (1, 1) if plan is None else plan.denominators
 
     def as_json(self) -> dict[str, Any]:
         """The design as plain data, the form `parse` reads; JSON can hold it."""

@@ -13,6 +13,7 @@ a sum holds the ranges of its parts (`word_lengths`).  Wider designs are compute
 taps, weights and counts are written in digits of c bits, the digits are multiplied, their products
 summed in int64, and the sums put together as one Python integer per component.  `digit_bits`
 finds the c for which no such sum can pass 64 bits.  A narrow design is the case of one digit.
+Counts of more than `WIDE` bits are split in weighted sums too.
 
 High-resolution position is that of `scrolling`, third and fourth order that of `higher_order`.
 """
@@ -53,6 +54,9 @@ BLOCK = 65536
 FEW_MINORS = 16
 """Up to this many minor intervals per major, memory runs along majors, else along minors."""
 
+WIDE = 32
+"""Bits of a count of a sensor at most; compensated ones have more."""
+
 XYZ = [2, 0, 1]
 """Where x, y and z stand in the order y, z, x, y."""
 
@@ -85,11 +89,13 @@ class Arithmetic:
         self.count_digits = digit_count(words.gyro | words.accel, self.bits)
         tap_digits = digit_count(words.gyro_taps | words.accel_taps, self.bits)
         sum_digits = digit_count(words.theta | words.v, self.bits)
+        self._splits = is_wide(design)
+        own = max(digit_count(coefficients(design), self.bits), 1) if self._splits else 0
         self.taps = {
-            k: self._terms(enumerate(table.taps[k - 1], start=1), tap_digits)
+            k: self._terms(enumerate(table.taps[k - 1], start=1), own or tap_digits)
             for k in table.active_phases
         }
-        self.weights = self._terms(enumerate(table.weights), sum_digits)
+        self.weights = self._terms(enumerate(table.weights), own or sum_digits)
 
         self.fits_int64 = [
             (coning | sculling).bits <= 64
@@ -180,17 +186,40 @@ class Arithmetic:
     ) -> None:
         """Sum of coefficient * x[t-d], in digits."""
         xyz = out[:, :, :3]
-        spare = self._term[0, :, :3, :, : out.shape[-1]]
+        if self._splits:
+            self._sum_of_digits(terms, back, xyz)
+        else:
+            self._sum_of_counts(terms, back, xyz)
+        for low, high in pairwise(xyz):
+            high += low >> self.bits
+            low &= (1 << self.bits) - 1
+        out[:, :, 3] = out[:, :, 0]
+
+    def _sum_of_counts(
+        self, terms: list[Terms], back: Callable[[int], MinorVectors], xyz: Digits
+    ) -> None:
+        """The sum, with what is to be carried left in each digit."""
+        spare = self._term[0, :, :3, :, : xyz.shape[-1]]
         for digit_terms, total in zip(terms, xyz, strict=True):
             (d, c), *others = digit_terms
             np.multiply(back(d)[:, :3], c, out=total)
             for d, c in others:
                 x = back(d)[:, :3]
                 total += x if c == 1 else np.multiply(x, c, out=spare)
-        for low, high in pairwise(xyz):
-            high += low >> self.bits
-            low &= (1 << self.bits) - 1
-        out[:, :, 3] = out[:, :, 0]
+
+    def _sum_of_digits(
+        self, terms: list[Terms], back: Callable[[int], MinorVectors], xyz: Digits
+    ) -> None:
+        """The same with the counts in digits too; what is beyond the highest digit goes into it."""
+        xyz[:] = 0
+        top = len(xyz) - 1
+        for d in sorted({d for digit_terms in terms for d, _ in digit_terms}):
+            counts = split_digits(back(d)[:, :3], self.bits, self.count_digits)
+            for i, digit_terms in enumerate(terms):
+                for c in (c for distance, c in digit_terms if distance == d and c):
+                    for place, count in enumerate(counts, start=i):
+                        above = max(place - top, 0)
+                        xyz[place - above] += (c * count) << above * self.bits
 
     def _running_sum(self, theta_v: Digits, alpha_nu: Digits) -> None:
         """alpha and nu after each minor interval."""
@@ -238,6 +267,18 @@ def digit_count(interval: Interval, bits: int) -> int:
     return max(-(-(interval.bits - 1) // bits), 1)
 
 
+def is_wide(design: Design) -> bool:
+    """Whether counts are wider than any sensor's."""
+    return (design.words.gyro | design.words.accel).bits > WIDE
+
+
+def coefficients(design: Design) -> Interval:
+    """Range of taps and weights, and 0."""
+    rows = (*design.table.taps, design.table.weights)
+    every = [0, *(c for row in rows for c in row)]
+    return Interval(min(every), max(every))
+
+
 def digit_bits(design: Design) -> int:
     """The widest digits for which no sum of products can pass 64 bits; 64 where one digit does."""
     table, words, M = design.table, design.words, design.algorithm.minors
@@ -252,10 +293,12 @@ def digit_bits(design: Design) -> int:
         same_place = min(
             digit_count(counts, bits), digit_count(words.gyro_taps | words.accel_taps, bits)
         )
+        terms = most_terms * (digit_count(counts, bits) if is_wide(design) else 1)
         sums = [
             pairs.repeated(M * len(table.active_phases) * same_place),
             pairs.repeated(M * (M - 1) // 2 * digit_count(words.theta | words.v, bits)),
-            (digit * counts).repeated(2 * most_terms),  # a weighted sum and the carry into it
+            # a weighted sum and the carry into it
+            (digit * (digit if is_wide(design) else counts)).repeated(2 * terms),
         ]
         return all(total.bits <= 64 for total in sums)
 

@@ -14,8 +14,8 @@ Marks = NDArray[np.int64]
 class FastCompensator:
     """Makes the core's samples of blocks of the sensor's counts.
 
-    A compensated sample fits 64 bits, and so does every sum on the way to it
-    (`CompensationPlan.ranges`).
+    A compensated sample fits 64 bits (`CompensationPlan.ranges`), so what wraps on the way to it
+    wraps back.
 
     Args:
         plan: the integers.
@@ -37,6 +37,10 @@ class FastCompensator:
         for i, terms in enumerate(self.plan.outputs):
             for source, lag, factor in terms:
                 made[:, i] += factor * rows[reach - lag : reach - lag + many, source]
+        for i, products in enumerate(self.plan.products):
+            for first, second, lag, factor in products:
+                then = rows[reach - lag : reach - lag + many]
+                made[:, i] += factor * (then[:, first] * then[:, second])
         return made
 
     def spread(self, marked: Marks) -> Marks:

@@ -42,9 +42,13 @@ class Compensator:
         """
         self._counts.appendleft((*gyro, *accel))
         self._marks.appendleft((fault, rail))
+        x = self._counts
+        parts = zip(self.plan.outputs, self.plan.products, self.plan.offsets, strict=True)
         y = [
-            sum(factor * self._counts[lag][source] for source, lag, factor in terms) + offset
-            for terms, offset in zip(self.plan.outputs, self.plan.offsets, strict=True)
+            sum(factor * x[lag][source] for source, lag, factor in terms)
+            + sum(factor * x[lag][one] * x[lag][two] for one, two, lag, factor in products)
+            + offset
+            for terms, products, offset in parts
         ]
         faults, rails = zip(*self._marks, strict=True)
         return (y[0], y[1], y[2]), (y[3], y[4], y[5]), int(any(faults)), any(rails)
