@@ -11,7 +11,7 @@ from amaranth import ClockDomain, Module
 
 import amaranth_runs
 from sculler_hdl import build_core, counter_ports, generate, timing
-from sculler_hdl.plan.compensation import plan_compensation
+from sculler_hdl.plan.compensation import Kind, plan_compensation
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.golden import (
@@ -32,6 +32,13 @@ ERRORS: dict[str, Any] = {
     },
     "accel": {"bias": [20.0, -10.0, 30.0]},
 }
+
+
+ARMS: dict[str, Any] = {
+    "arms_m": [[0.1, 0.02, -0.03], [0.05, -0.2, 0.01], [0.0, 0.03, 0.15]],
+    "accel_denominator": 1 << 24,
+}
+WIDE_ARMS = ERRORS | ARMS | {"accel_denominator": 1 << 32}
 
 
 def design(
@@ -114,6 +121,15 @@ CASES: dict[str, tuple[dict[str, Any], int]] = {
         {"core": "compact", "samples": 1, "minors": 1, "hardware": {"overrun": "drop-result"}},
         1500,
     ),
+    "arms": ({"core": "compact", "samples": 1, "minors": 1, **ERRORS, **ARMS}, 1800),
+    "arms, as wide as it gets": (
+        {"core": "pipelined", "bits": (24, 24), "samples": 1, "delay_samples": -0.5, **WIDE_ARMS},
+        1500,
+    ),
+    "arms, slow memory": (
+        {"core": "compact", "bits": (16, 24), "hardware": {"target": "ice40"}, **ARMS},
+        4000,
+    ),
     "widest": (
         {"core": "compact", "bits": (32, 8), "delay_samples": -7.5, "taps": 12, **ERRORS},
         6000,
@@ -135,7 +151,7 @@ CASES: dict[str, tuple[dict[str, Any], int]] = {
 }
 
 
-@pytest.mark.parametrize("case", few_of(CASES, ["pipelined", "compact", "wide compact"]))
+@pytest.mark.parametrize("case", few_of(CASES, ["pipelined", "compact", "wide compact", "arms"]))
 def test_every_port_on_every_clock(case: tuple[dict[str, Any], int]) -> None:
     made, clocks = case
     resets = (clocks // 3, clocks // 3 + 1, clocks // 2)
@@ -149,17 +165,17 @@ def test_a_step_is_a_product_a_clock() -> None:
     assert plan is not None
     outputs: list[list[Any]] = [[]]
     for step in stage.steps:
-        assert step.factor in stage.factors
+        assert step.factor in stage.right
         outputs[-1].append(step)
         if step.last:
             outputs.append([])
     assert outputs.pop() == []
     for steps, terms, offset in zip(outputs, plan.outputs, plan.offsets, strict=True):
-        counts = [(s.source, s.lag, s.factor) for s in steps if s.constant is None]
+        counts = [(s.source, s.lag, s.factor) for s in steps if s.kind == Kind.COUNT]
         assert counts == [tuple(term) for term in terms]
-        constants = [s.factor << s.constant for s in steps if s.constant is not None]
-        assert sum(constants) == offset
-        assert all(1 << s.constant in one.words.gyro for s in steps if s.constant is not None)
+        constants = [s for s in steps if s.kind == Kind.CONSTANT]
+        assert sum(s.factor << s.power for s in constants) == offset
+        assert all(1 << s.power in one.words.gyro for s in constants)
     # counts are written, products, the way to the last, and the clock that offers
     assert timing(one).compensation == 6 + len(stage.steps) - 1 + stage.summed + 1
 

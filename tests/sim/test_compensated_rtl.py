@@ -47,6 +47,15 @@ FORMS = {
         stim300(1, 1, history=1), core="compact", overrun="drop-result", initial=False
     ),
 }
+ARMED = {
+    "arms_m": [[0.05, 0.02, -0.03], [0.01, -0.05, 0.02], [-0.02, 0.03, 0.05]],
+    "accel_denominator": 1 << 34,
+}
+for name in ("pipelined-ecp5", "compact-ice40"):
+    data = FORMS[name].as_json()
+    FORMS[f"{name}-arms"] = Design.parse(
+        {**data, "name": "armed", "compensation": data["compensation"] | ARMED}
+    )
 EACH = pytest.mark.parametrize("design", FORMS.values(), ids=FORMS)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 from amaranth import C, Cat, Module, Mux, Signal, Value, signed
@@ -13,7 +14,7 @@ from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
 from sculler_hdl.lib.memory import BlockMemory
 from sculler_hdl.lib.multiplier import Multiplier
 from sculler_hdl.plan.arrival import last_clock
-from sculler_hdl.plan.compensation import COUNTS, FIRST_STEP, PLACES, CompensationStage
+from sculler_hdl.plan.compensation import COUNTS, FIRST_STEP, PLACES, CompensationStage, Kind
 
 
 class Compensator(wiring.Component):
@@ -157,48 +158,17 @@ class Compensator(wiring.Component):
         with m.If(steps):
             m.d.sync += [runs.eq(~final), number.eq(Mux(final, 0, (number + 1)[: len(number)]))]
 
-        # what a step is, a clock later
-        address = Signal(len(samples.address))
-        constant, factor = Signal(plan.counts.bits), Signal(signed(plan.factor_bits))
-        counts, last = Signal(), Signal()
-        m.d.sync += [constant.eq(0), counts.eq(0)]
-        with m.Switch(number):
-            for i, step in enumerate(plan.steps):
-                with m.Case(i):
-                    m.d.sync += [factor.eq(step.factor), last.eq(step.last)]
-                    if step.constant is not None:
-                        m.d.sync += constant.eq(1 << step.constant)
-                    else:
-                        back = (slot - step.lag)[: len(slot)]
-                        m.d.sync += address.eq(_address(C(step.source, 3), back))
-                        m.d.sync += counts.eq(C(step.lag, len(age) + 1) <= age)
-        m.d.comb += [samples.step.eq(1), samples.address.eq(address)]
-
-        # the operands, `plan.operands` clocks after the step
-        read = plan.operands - 1
-        words = {
-            name: SkewedSignal(m, name, value, ((len(value), 1),))
-            for name, value in (
-                ("constant", constant),
-                ("factor", factor),
-                ("counts", counts),
-            )
-        }
-        gate = words["counts"].at_clock(read).replicate(plan.counts.bits)
-        operand = Signal(plan.counts.bits, reset_less=True)
-        m.d.sync += operand.eq((samples.data & gate) | words["constant"].at_clock(read))
-        m.d.comb += [
-            multiplier.left.eq(operand),
-            multiplier.right.eq(words["factor"].at_clock(plan.operands)),
-            accumulator.input.eq(multiplier.output),
-        ]
+        done = ControlDelay(m, "begun", steps).at_clock(1)
+        told = self._told(m, number, slot, age, samples)
+        ends = ControlDelay(m, "ends", told.last & done, 1)
+        adds = ControlDelay(m, "adds", told.adds & done, 1)
+        m.d.comb += multiplier.left.eq(self._operands(m, told, samples, multiplier, done))
+        m.d.comb += accumulator.input.eq(multiplier.output)
         assert multiplier.arrival == plan.product.arrival
-        flag = ControlDelay(m, "step", steps)
-        ends = ControlDelay(m, "ends", last & flag.at_clock(1), 1)
         finals = ControlDelay(m, "final", final & steps)
         clock = plan.operands + plan.accumulator.clock
         m.d.comb += [
-            accumulator.step.eq(flag.at_clock(clock)),
+            accumulator.step.eq(adds.at_clock(clock)),
             accumulator.last.eq(ends.at_clock(clock)),
         ]
         total = SkewedSignal(m, "sum", accumulator.newest, plan.accumulator.arrival)
@@ -209,6 +179,126 @@ class Compensator(wiring.Component):
             m.d.sync += [one.eq(then) for one, then in pairwise([*made, with_sum])]
         m.d.comb += [self.made[i].eq(one) for i, one in enumerate(made)]
         return whole
+
+    def _told(
+        self, m: Module, number: Value, slot: Value, age: Value, samples: BlockMemory
+    ) -> _Told:
+        """What a step is, a clock after it began; the word it reads is asked for then."""
+        plan = self.plan
+        told = _Told(plan)
+        address = Signal(len(samples.address))
+        m.d.sync += [signal.eq(0) for signal in told if signal is not told.factor]
+        with m.Switch(number):
+            for i, step in enumerate(plan.steps):
+                with m.Case(i):
+                    m.d.sync += [told.factor.eq(step.factor), told.last.eq(step.last)]
+                    m.d.sync += told.adds.eq(step.adds)
+                    if step.kind in (Kind.COUNT, Kind.HOLD):
+                        back = (slot - step.lag)[: len(slot)]
+                        m.d.sync += address.eq(_address(C(step.source, 3), back))
+                        m.d.sync += told.counts.eq(C(step.lag, len(age) + 1) <= age)
+                    if step.kind == Kind.CONSTANT:
+                        m.d.sync += told.constant.eq(1 << step.power)
+                    if step.kind == Kind.HOLD:
+                        m.d.sync += told.holds.eq(1)
+                    if step.kind == Kind.PAIR:
+                        m.d.sync += [told.first.eq(1 << step.pair[0])]
+                        m.d.sync += [told.second.eq(1 << step.pair[1])]
+                    if step.kind == Kind.PRODUCT:
+                        m.d.sync += told.product.eq(1 << step.product)
+        m.d.comb += [samples.step.eq(1), samples.address.eq(address)]
+        return told
+
+    def _operands(
+        self, m: Module, told: _Told, samples: BlockMemory, multiplier: Multiplier, done: Value
+    ) -> Value:
+        """Both operands, `plan.operands` clocks after the step; the right one is connected."""
+        plan = self.plan
+        read, bits = plan.operands - 1, plan.counts.bits
+
+        def then(value: Signal) -> Value:
+            """What a step is, when the word it reads is there."""
+            word = SkewedSignal(m, value.name, value, ((len(value), 1),))
+            return word.at_clock(read)
+
+        counts = then(told.counts)
+        word = Signal(signed(bits), name="word")
+        m.d.comb += word.eq(samples.data & counts.replicate(bits))
+        left: Value = word | then(told.constant)
+        right: Value = then(told.factor).as_signed()
+        if plan.pairs:
+            held = [Signal(signed(bits), name=f"held{i}", reset_less=True) for i in range(3)]
+            with m.If(then(told.holds)):
+                m.d.sync += [one.eq(following) for one, following in pairwise([*held, word])]
+            first, second = then(told.first), then(told.second)
+            products = self._products(m, told, multiplier, done)
+            chosen = [(first[i], one) for i, one in enumerate(held)] + list(
+                zip(then(told.product), products, strict=True)
+            )
+            is_held = first.any() | then(told.product).any()
+            left = Mux(is_held, _one_of(chosen), left.as_signed())
+            right = Mux(second.any(), _one_of(list(zip(second, held, strict=True))), right)
+        operand = Signal(signed(plan.left.bits), reset_less=True)
+        factor = Signal(signed(plan.right.bits), name="right", reset_less=True)
+        m.d.sync += [operand.eq(left.as_signed()), factor.eq(right)]
+        m.d.comb += multiplier.right.eq(factor)
+        return operand
+
+    def _products(
+        self, m: Module, told: _Told, multiplier: Multiplier, done: Value
+    ) -> list[Signal]:
+        """The products of two counts, held from when they are there."""
+        plan = self.plan
+        pair = ControlDelay(m, "pair", told.first.any() & done, 1)
+        arrival = plan.product.arrival
+        whole = SkewedSignal(m, "product", multiplier.output, arrival).at_clock(last_clock(arrival))
+        bits = plan.left.bits
+        products = [
+            Signal(signed(bits), name=f"product{i}", reset_less=True)
+            for i in range(len(plan.pairs))
+        ]
+        with m.If(pair.at_clock(plan.operands + last_clock(arrival))):
+            following = [*products[1:], whole[:bits].as_signed()]
+            m.d.sync += [one.eq(then) for one, then in zip(products, following, strict=True)]
+        return products
+
+
+class _Told:
+    """What a step is.
+
+    Attributes:
+        factor: that its operand is multiplied by.
+        constant: its operand, where that is one.
+        counts: it reads a count, which is not before the first.
+        last, adds: as in `Step`.
+        holds: the count that is read is held.
+        first, second: of a pair, one bit a gyro.
+        product: which held product it multiplies, one bit each.
+    """
+
+    def __init__(self, plan: CompensationStage) -> None:
+        self.factor = Signal(signed(plan.factor_bits), name="factor")
+        self.constant = Signal(plan.counts.bits, name="constant")
+        self.counts, self.last, self.adds = (Signal(name=n) for n in ("counts", "last", "adds"))
+        self.holds = Signal(name="holds")
+        self.first, self.second = Signal(3, name="first"), Signal(3, name="second")
+        self.product = Signal(max(len(plan.pairs), 1), name="product_number")
+        self._pairs = bool(plan.pairs)
+
+    def __iter__(self) -> Iterator[Signal]:
+        yield from (self.factor, self.constant, self.counts, self.last, self.adds)
+        if self._pairs:
+            yield from (self.holds, self.first, self.second, self.product)
+
+
+def _one_of(choices: list[tuple[Value, Signal]]) -> Value:
+    """The one whose flag is high, signed; 0 for none."""
+    bits = max(len(value) for _, value in choices)
+    total: Value = C(0, bits)
+    for flag, value in choices:
+        wide = Cat(value, value[-1].replicate(bits - len(value)))
+        total = total | (wide & flag.replicate(bits))
+    return total.as_signed()
 
 
 def _address(place: Value, slot: Value) -> Value:

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from enum import Enum
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 from sculler_hdl.plan.accumulator import AccumulatorPlan
 from sculler_hdl.plan.adder_tree import AdderTreePlan
-from sculler_hdl.plan.arrival import Limbs, at_once, evenly, last_clock
+from sculler_hdl.plan.arrival import Limbs, at_once, evenly, last_clock, lowest
 from sculler_hdl.plan.multiplier import MultiplierPlan
 from sculler_hdl.targets import TARGETS, Target
-from sculler_model.design import ZERO_RANGE, Design, Interval
-from sculler_model.errors import InputError
+from sculler_model.design import CompensationPlan, Design, Interval
 
 COUNTS = 6
 """Of a sample."""
@@ -30,21 +30,43 @@ FIRST_STEP = COUNTS
 clocks 1 to 6, and the first word is read in the clock after its step."""
 
 
+class Kind(Enum):
+    """What a step does."""
+
+    HOLD = "a gyro's count is read and held"
+    PAIR = "two held counts are multiplied, and their product held"
+    WAIT = "nothing"
+    COUNT = "a count times a factor"
+    CONSTANT = "a power of two times a factor, of an offset"
+    PRODUCT = "a held product times a factor"
+
+
 class Step(NamedTuple):
-    """One product.
+    """What begins in one clock.
 
     Attributes:
-        source, lag: of the count, as `Term` has them; 0 where it is a constant.
-        constant: power of two that is multiplied; None for a count.
-        factor: that it is multiplied by.
+        kind: what it does.
+        source, lag: of a count, as `Term` has them.
+        power: of a constant.
+        pair: the counts that are multiplied.
+        product: number of the held product.
+        factor: that a count, a constant or a product is multiplied by.
         last: of its output.
     """
 
-    source: int
-    lag: int
-    constant: int | None
-    factor: int
-    last: bool
+    kind: Kind
+    source: int = 0
+    lag: int = 0
+    power: int = 0
+    pair: tuple[int, int] = (0, 0)
+    product: int = 0
+    factor: int = 0
+    last: bool = False
+
+    @property
+    def adds(self) -> bool:
+        """Whether it adds to a sum."""
+        return self.kind in (Kind.COUNT, Kind.CONSTANT, Kind.PRODUCT)
 
 
 @dataclass(frozen=True)
@@ -70,17 +92,14 @@ class CompensationStage:
     @cached_property
     def sums(self) -> Interval:
         """Range of an output of either kind; sums on the way may wrap, and wrap back."""
-        plan, words = self.design.compensation_plan, self.design.words
-        assert plan is not None, "no [compensation]"
-        gyro, accel = plan.ranges(words.gyro, words.accel)
+        words = self.design.words
+        gyro, accel = self.plan.ranges(words.gyro, words.accel)
         return gyro | accel
 
     @cached_property
     def reach(self) -> int:
         """How many samples before the newest the oldest one lies that is used."""
-        plan = self.design.compensation_plan
-        assert plan is not None, "no [compensation]"
-        return plan.reach
+        return self.plan.reach
 
     @property
     def slot_bits(self) -> int:
@@ -88,16 +107,38 @@ class CompensationStage:
         return self.reach.bit_length()
 
     @cached_property
-    def steps(self) -> tuple[Step, ...]:
-        """The products in their order."""
+    def plan(self) -> CompensationPlan:
+        """The integers."""
         plan = self.design.compensation_plan
         assert plan is not None, "no [compensation]"
-        found: list[Step] = []
-        for terms, offset in zip(plan.outputs, plan.offsets, strict=True):
-            steps = [Step(term.source, term.lag, None, term.factor, False) for term in terms]
-            steps += [Step(0, 0, power, digit, False) for power, digit in self._digits(offset)]
-            found += [*steps[:-1], steps[-1]._replace(last=True)]
-        return tuple(found)
+        return plan
+
+    @cached_property
+    def pairs(self) -> tuple[tuple[int, int], ...]:
+        """The gyros whose counts are multiplied with each other."""
+        every = {(term.first, term.second) for terms in self.plan.products for term in terms}
+        return tuple(sorted(every))
+
+    @cached_property
+    def steps(self) -> tuple[Step, ...]:
+        """All that begins, clock by clock: held counts and their products first, then the sums."""
+        plan = self.plan
+        sums: list[Step] = []
+        for terms, products, offset in zip(plan.outputs, plan.products, plan.offsets, strict=True):
+            steps = [Step(Kind.COUNT, t.source, t.lag, factor=t.factor) for t in terms]
+            steps += [Step(Kind.CONSTANT, power=p, factor=d) for p, d in self._digits(offset)]
+            steps += [
+                Step(Kind.PRODUCT, product=self.pairs.index(t[:2]), factor=t.factor)
+                for t in products
+            ]
+            sums += [*steps[:-1], steps[-1]._replace(last=True)]
+        if not self.pairs:
+            return tuple(sums)
+        held = [Step(Kind.HOLD, axis, plan.delay) for axis in range(COUNTS // 2)]
+        held += [Step(Kind.PAIR, pair=pair) for pair in self.pairs]
+        first = next(i for i, step in enumerate(sums) if step.kind == Kind.PRODUCT)
+        waits = max(0, last_clock(self.product.arrival) + 1 - first)
+        return (*held, *[Step(Kind.WAIT)] * waits, *sums)
 
     def _digits(self, offset: int) -> Iterator[tuple[int, int]]:
         """The offset as a sum of factors times powers of two that a count's word holds."""
@@ -116,9 +157,9 @@ class CompensationStage:
     @cached_property
     def factor_bits(self) -> int:
         """Of a factor: as wide as those of counts, and as the highest power leaves of an offset."""
-        plan = self.design.compensation_plan
-        assert plan is not None, "no [compensation]"
+        plan = self.plan
         factors = [term.factor for terms in plan.outputs for term in terms]
+        factors += [term.factor for products in plan.products for term in products]
         bits = max(Interval(each, each).bits for each in factors)
         offsets = Interval(min(plan.offsets), max(plan.offsets)).bits
         highest = self.counts.bits - 2
@@ -129,9 +170,15 @@ class CompensationStage:
             bits += 1
 
     @property
-    def factors(self) -> Interval:
-        """Range of a factor."""
-        return Interval.signed(self.factor_bits)
+    def left(self) -> Interval:
+        """Range of what is multiplied: a count, or a product of two."""
+        bits = self.counts.bits
+        return Interval.signed(2 * bits if self.pairs else bits)
+
+    @property
+    def right(self) -> Interval:
+        """Range of what it is multiplied by: a factor, or a count."""
+        return Interval.signed(max(self.factor_bits, self.counts.bits * bool(self.pairs)))
 
     @cached_property
     def limb(self) -> Limbs:
@@ -140,8 +187,8 @@ class CompensationStage:
 
     @cached_property
     def multiplier(self) -> MultiplierPlan:
-        """The product of a count and a factor."""
-        left, right = self.counts | ZERO_RANGE, self.factors
+        """The multiplier that takes turns."""
+        left, right = self.left, self.right
         return MultiplierPlan(
             self.target, left, right, at_once(left.bits, 0), at_once(right.bits, 0)
         )
@@ -155,8 +202,10 @@ class CompensationStage:
     @cached_property
     def accumulator(self) -> AccumulatorPlan:
         """What sums the products of an output up."""
-        item = self.product.result
-        return AccumulatorPlan(item, self.product.arrival, self.sums | ZERO_RANGE, self.limb)
+        product = self.product
+        bits = min(product.result.bits, self.sums.bits)  # the others cannot matter
+        item = Interval.signed(bits)
+        return AccumulatorPlan(item, lowest(product.arrival, bits), self.sums, self.limb)
 
     @property
     def operands(self) -> int:
@@ -178,21 +227,11 @@ class CompensationStage:
         """Figures for the manifest."""
         return {
             "compensation_multipliers": self.multiplier.block_count,
-            "compensation_products": len(self.steps),
+            "compensation_products": sum(step.adds for step in self.steps),
         }
 
 
 @lru_cache(maxsize=32)
 def plan_compensation(design: Design) -> CompensationStage:
-    """The stage of a design that has compensation.
-
-    Raises:
-        InputError: it has lever arms, which are not built.
-    """
-    plan = design.compensation_plan
-    if plan is not None and plan.has_products:
-        raise InputError(
-            "compensation.arms_m: is built in the models and the host, not in hardware yet; leave"
-            " it out"
-        )
+    """The stage of a design that has compensation."""
     return CompensationStage(design)
