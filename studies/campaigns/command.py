@@ -89,7 +89,9 @@ def document(each: Sequence[Timed], whole: Timed) -> str:
                 f"{whole.runs:,} flights of {whole.seconds / 60:g} minutes at {RATE} Hz took"
                 f" {three_digits(whole.clock / 60)} minutes with {whole.workers} workers:"
                 f" {three_digits(whole.samples)} samples, {three_digits(whole.a_sample)} µs of"
-                " processor time each."
+                " processor time each. A thousand flights of ten minutes are"
+                f" {three_digits(free_minutes(whole, 2))} minutes of two processors that do nothing"
+                " else."
             ),
             "",
             *documents.table(
@@ -115,6 +117,11 @@ def document(each: Sequence[Timed], whole: Timed) -> str:
             "",
         ]
     )
+
+
+def free_minutes(found: Timed, processors: int) -> float:
+    """Minutes that a thousand flights of ten take, if the processors have nothing else to do."""
+    return 1000 * 600.0 * RATE * found.a_sample * 1e-6 / 60 / processors
 
 
 def _row(found: Timed, first: Timed) -> list[str]:

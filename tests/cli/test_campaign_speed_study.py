@@ -26,6 +26,8 @@ def one_line(text: str) -> str:
 def test_the_page_tells_what_was_measured() -> None:
     text = command.document([ONE, TWO], WHOLE)
     assert "1,000 flights of 10 minutes at 2000 Hz took 10.5 minutes with 2" in one_line(text)
+    # 1.2e9 samples of 1 µs on two processors
+    assert "A thousand flights of ten minutes are 10 minutes of two" in one_line(text)
     assert "| 1 | 100 | 2 | 50 | 1.00 | 0.983 | 0.98 |" in text
     assert "| 2 | 100 | 1.07 | 93.8 | 1.88 | 1 | 0.94 |" in text
     assert "| 2 | 1,000 | 10.5 | 95.2 | 1.90 | 1 | 0.95 |" in text

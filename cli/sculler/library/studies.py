@@ -9,13 +9,15 @@ import numpy as np
 from sculler_model.analysis import advice, frequency
 from sculler_model.analysis.advice import Candidate, Environment, Requirement
 from sculler_model.analysis.oscillation import Scull
+from sculler_model.analysis.sensed import require_known
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 
 
-def _require_frequency(hertz: float) -> None:
+def _require_frequency(design: Design, hertz: float) -> None:
     if not 0 < hertz < float("inf"):
         raise InputError(f"hertz: {hertz} is not allowed, give a frequency > 0")
+    require_known(design, hertz, "hertz")
 
 
 def coning_drift(design: Design, half_angle: float, hertz: float) -> float:
@@ -42,7 +44,7 @@ def coning_drift(design: Design, half_angle: float, hertz: float) -> float:
         >>> abs(left) < 0.01  # without correction it would be 99 °/h
         True
     """
-    _require_frequency(hertz)
+    _require_frequency(design, hertz)
     if not 0 < half_angle < 90:
         raise InputError(
             f"half_angle: {half_angle} is not allowed, give more than 0° and under 90°"
@@ -82,7 +84,7 @@ def sculling_drift(design: Design, angle: float, force: float, hertz: float) -> 
         >>> abs(sculler.sculling_drift(design, angle=0.1, force=10.0, hertz=35)) < 1e-6
         True
     """
-    _require_frequency(hertz)
+    _require_frequency(design, hertz)
     motion = Scull(radians(angle), force)
     return float(frequency.drift(design, motion, np.array([float(hertz)]))[0])
 

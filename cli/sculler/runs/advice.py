@@ -16,6 +16,7 @@ from sculler_model.analysis.advice import (
     by_order,
 )
 from sculler_model.analysis.flight import Profile
+from sculler_model.analysis.sensed import require_known
 from sculler_model.analysis.vibration import G, Mount, Spectrum
 from sculler_model.design import Design
 from sculler_model.errors import ContradictionError, InputError
@@ -49,7 +50,7 @@ class Plan:
 
     Raises:
         ContradictionError: not one environment, or no requirement that it can have.
-        InputError: a coning that no sensor has.
+        InputError: a coning that no sensor has, or that this one's filter is not known at.
     """
 
     base: Design
@@ -97,6 +98,7 @@ class Plan:
                     f"{flag}: {hertz:g} Hz is not below the Nyquist limit of {self._rate / 2:g} Hz,"
                     " give less"
                 )
+            require_known(self.base, hertz, flag)
 
     def _require_partners(self) -> None:
         """See that what is asked of something comes with it.

@@ -24,6 +24,7 @@ from sculler_model.analysis.drift import filtered_residual
 from sculler_model.analysis.integer_path import through_core, with_fine_sensor
 from sculler_model.analysis.iteration import DEGREE
 from sculler_model.analysis.oscillation import Oscillation
+from sculler_model.analysis.sensed import known_hz, require_known
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
@@ -102,8 +103,9 @@ def record(design: Design, hertz: float, least_samples: int = RECORD_SAMPLES) ->
         least_samples: samples of the record, at least; and at least `RECORD_PERIODS` periods.
 
     Raises:
-        InputError: the frequency is not between 0 and the Nyquist limit, or so low that a record
-            is longer than `MOST_SAMPLES`.
+        InputError: the frequency is not between 0 and the Nyquist limit, or above the end of a
+            measured response of the sensor's, or so low that a record is longer than
+            `MOST_SAMPLES`.
     """
     rate, span = design.sensor.sample_rate_hz, design.samples_per_major
     if not 0 < hertz < rate / 2:
@@ -122,6 +124,7 @@ def record(design: Design, hertz: float, least_samples: int = RECORD_SAMPLES) ->
     periods = round(hertz * samples / rate)
     while gcd(periods, samples) > 1:
         periods += 1
+    require_known(design, periods * rate / samples, design.name)
     return periods, samples
 
 
@@ -196,9 +199,11 @@ def law(design: Design, vibration: Oscillation) -> Law:
     uncorrected drift: low enough for its first term to rule, high enough to stand out of 32 bits.
     """
     n, T = design.table.samples, design.sample_interval
-    hertz = PHASES / (2 * pi * T)
+    # both λ and 2λ must be known
+    phases = PHASES[: max(np.searchsorted(PHASES, 0.99 * pi * T * known_hz(design)), 1)]
+    hertz = phases / (2 * pi * T)
     share = np.abs(drift(design, vibration, hertz) / uncorrected(vibration, hertz))
-    low = float(PHASES[np.argmax(share > SHARE)]) if np.any(share > SHARE) else float(PHASES[-1])
+    low = float(phases[np.argmax(share > SHARE)]) if np.any(share > SHARE) else float(phases[-1])
     found = []
     for phase in (low, 2 * low):
         at = phase / (2 * pi * T)

@@ -15,12 +15,13 @@ from __future__ import annotations
 from cmath import exp
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import isnan, pi, sqrt
+from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.analysis.integer_path import changed, through_core, with_fine_sensor
+from sculler_model.analysis.sensed import require_known
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.host import half_minus_cosine, major_increments, one_minus_sine
@@ -143,13 +144,9 @@ def seen(design: Design, conditions: Conditions) -> tuple[Conditions, float]:
     response, omega = design.sensor_response, 2 * pi * conditions.hertz
     if response is None or not omega:
         return conditions, 0.0
+    require_known(design, conditions.hertz, "the vibration")
     phase = omega * design.sample_interval
     gain = response.value(phase)
-    if isnan(gain.real):
-        raise InputError(
-            f"sensor.filter: the measured response ends below the vibration's"
-            f" {conditions.hertz:g} Hz, give more points or a lower frequency"
-        )
     shown = replace(
         conditions,
         vibration=abs(gain) * conditions.vibration,

@@ -13,7 +13,9 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from sculler_model.algorithms import Measured
 from sculler_model.design import Design
+from sculler_model.errors import InputError
 from sculler_model.motion import Filtered, Sampled
 
 Array = NDArray[np.float64]
@@ -51,6 +53,36 @@ class Felt(Sampled):
             return super().increments(samples, interval, first)
         number = np.arange(first, first + samples + 1, dtype=np.float64)
         return np.diff(self._gone(number * interval), axis=0)
+
+
+def known_hz(design: Design) -> float:
+    """Up to which frequency a design's samples tell anything, Hz.
+
+    That is the Nyquist limit, or the end of a measured response of the sensor's.
+    """
+    response, limit = design.sensor_response, design.sensor.sample_rate_hz / 2
+    stages = () if response is None else response.stages
+    ends = [float(stage.frequencies[-1]) for stage in stages if isinstance(stage, Measured)]
+    return min([limit, *ends])
+
+
+def require_known(design: Design, hertz: float, what: str) -> None:
+    """See that the sensor's filter is known at a frequency.
+
+    Args:
+        design: its sensor may have a filter.
+        hertz: Hz.
+        what: has it.
+
+    Raises:
+        InputError: a measured response ends below it.
+    """
+    end = known_hz(design)
+    if end < min(hertz, design.sensor.sample_rate_hz / 2):
+        raise InputError(
+            f"{what}: {hertz:g} Hz is above the end of the sensor's measured response, {end:g} Hz,"
+            " give the response to higher frequencies, or a lower frequency"
+        )
 
 
 def delay(design: Design) -> float:

@@ -10,17 +10,16 @@ from __future__ import annotations
 from cmath import phase
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import asin, copysign, isnan, pi, sin
+from math import asin, copysign, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sculler_model.analysis.integer_path import changed, running_attitude, with_fine_sensor
 from sculler_model.analysis.iteration import DEGREE, attitude_on
-from sculler_model.analysis.sensed import Felt, delay, passed
+from sculler_model.analysis.sensed import Felt, delay, passed, require_known
 from sculler_model.analysis.third_order import composed, minor_vectors
 from sculler_model.design import Design
-from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
 from sculler_model.frames import Quaternion, conjugate, product, to_rotation_vector
 from sculler_model.host import major_increments
@@ -99,12 +98,8 @@ class ConingTurn:
         if response is None:
             return self
         rounds = 2 * pi * self.hertz - self.spin  # in the body's axes
+        require_known(design, abs(rounds) / (2 * pi), "the cone")
         gain = response.value(abs(rounds) * design.sample_interval)
-        if isnan(gain.real):
-            raise InputError(
-                f"sensor.filter: the measured response ends below the cone's {self.hertz:g} Hz,"
-                " give more points or a lower frequency"
-            )
         swing = asin(min(abs(gain) * sin(self.half_angle), 1.0))
         late = copysign(phase(gain), rounds * phase(gain)) + rounds * delay(design)
         return replace(

@@ -10,15 +10,25 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler.runs.analysis import PositionPlan, Subject, position_study
+import sculler
+from sculler.runs.advice import Plan
+from sculler.runs.analysis import (
+    FrequencyPlan,
+    PositionPlan,
+    Subject,
+    coning,
+    frequency_study,
+    position_study,
+)
 from sculler_model.analysis.advice import Environment, Requirement, advise
 from sculler_model.analysis.flight import Profile, flown
-from sculler_model.analysis.frequency import drift
+from sculler_model.analysis.frequency import drift, record
 from sculler_model.analysis.manoeuvre import BUMP, EARLY, LATE, MANOEUVRES, Manoeuvre, split
 from sculler_model.analysis.orders import HeldConing, Manoeuvred, left_by_order
 from sculler_model.analysis.oscillation import Cone
 from sculler_model.analysis.position import Conditions, seen
 from sculler_model.analysis.triple import ConingTurn, left
+from sculler_model.analysis.vibration import Mount
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 
@@ -203,9 +213,35 @@ def test_advice_on_a_manoeuvre_knows_the_filter() -> None:
     assert meet == {"tuned"}
 
 
+ENDS = {"kind": "measured", "points": [[0, 1.0, 0.0], [30, 0.9, -9.0]]}
+
+
 def test_a_measured_response_that_ends_too_early_is_refused() -> None:
-    ends = design({"kind": "measured", "points": [[0, 1.0, 0.0], [30, 0.9, -9.0]]})
-    with pytest.raises(InputError, match="response ends below the cone's 50 Hz"):
+    ends = design(ENDS)
+    unknown = r"50 Hz is above the end of the sensor's measured response, 30 Hz"
+    with pytest.raises(InputError, match=f"the cone: {unknown}"):
         TURNING.seen(ends)
-    with pytest.raises(InputError, match="response ends below the vibration's 50 Hz"):
+    with pytest.raises(InputError, match=f"the vibration: {unknown}"):
         seen(ends, Conditions(vibration=1.0, hertz=50.0))
+    with pytest.raises(InputError, match=r"filtered: 50\.1 Hz is above the end of"):
+        record(ends, 50.0)
+    with pytest.raises(InputError, match=f"hertz: {unknown}"):
+        sculler.coning_drift(ends, 0.1, 50.0)
+    with pytest.raises(InputError, match=f"hertz: {unknown}"):
+        sculler.sculling_drift(ends, 0.1, 10.0, 50.0)
+    with pytest.raises(InputError, match=f"--coning: {unknown}"):
+        Plan(ends, Mount(), coning=(0.1, 50.0), drift=1.0)
+    assert record(design(SEEN), 50.0)
+
+
+def test_a_study_ends_where_the_measured_response_does() -> None:
+    ends = design(ENDS)
+    plan = FrequencyPlan(coning(0.1), {"a": Subject(ends, True)}, integer_points=2, points=50)
+    found = frequency_study(plan)["designs"]["a"]
+    assert found["nyquist_hz"] == 1000.0
+    known = [drift for drift in found["drift"] if drift is not None]
+    assert 20 < len(known) < 30  # of 50 up to 1 kHz, evenly on a log scale from 1 Hz
+    assert np.isfinite(known).all()
+    assert max(point["hertz"] for point in found["integer_path"]) < 30
+    # of its own: the gain falls evenly with λ, and λ is what it is taken of
+    assert found["law"]["measured_order"] == pytest.approx(2.0, abs=0.1)

@@ -15,6 +15,7 @@ from sculler.runs.analysis.subject import Subject
 from sculler.words import Advance, silent
 from sculler_model.analysis import frequency as analysis
 from sculler_model.analysis.oscillation import Cone, Oscillation, Scull
+from sculler_model.analysis.sensed import known_hz
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.frames import STANDARD_GRAVITY
@@ -75,7 +76,8 @@ class FrequencyPlan:
         kind: the motion, and the words.
         subjects: by name.
         low: lowest frequency, Hz.
-        high: highest frequency, Hz; None is the Nyquist limit of the fastest design.
+        high: highest frequency, Hz; None is the Nyquist limit of the fastest design.  No design is
+            studied above its own, or above the end of its sensor's measured response.
         points, integer_points: how many frequencies by closed form and through the integer path.
         fine: run designs, too, on a sensor so fine that it does not show.
         requirements: drifts in the kind's unit.
@@ -101,7 +103,8 @@ class FrequencyPlan:
             raise InputError(
                 f"--to: {self.top:g} Hz is above the Nyquist limit of {fastest:g} Hz, give less"
             )
-        for name, limit in self.nyquist.items():
+        for name, subject in self.subjects.items():
+            limit = known_hz(subject.design)
             if self.low >= min(self.top, limit):
                 raise InputError(
                     f"--from: {self.low:g} Hz leaves no band below {min(self.top, limit):g} Hz for"
@@ -151,7 +154,7 @@ def _of_design(
     plan: FrequencyPlan, subject: Subject, nyquist: float, hertz: Array, advance: Advance
 ) -> dict[str, Any]:
     kind, design = plan.kind, subject.design
-    top = min(plan.top, nyquist)
+    top = min(plan.top, known_hz(design))
     inside = np.where(hertz <= top, hertz, np.nan)
     curve = kind.scale * analysis.drift(design, kind.vibration, inside)
     law = analysis.law(design, kind.vibration)
