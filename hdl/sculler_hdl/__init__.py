@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from sculler_hdl.lib.clock_enable import ClockEnableInserter as ClockEnableInserter
     from sculler_hdl.plan.bus_ports import BUS_PREFIXES as BUS_PREFIXES
     from sculler_hdl.plan.bus_ports import own_bus_ports as own_bus_ports
+    from sculler_hdl.plan.bus_ports import packet_sample_ports as packet_sample_ports
     from sculler_hdl.plan.bus_ports import unread_ports as unread_ports
     from sculler_hdl.plan.front import front_counter_ports as front_counter_ports
     from sculler_hdl.plan.front import front_ports as front_ports
@@ -82,6 +83,7 @@ _PLACES = {
     "generate": "export.verilog",
     "module_ports": "export.manifest",
     "own_bus_ports": "plan.bus_ports",
+    "packet_sample_ports": "plan.bus_ports",
     "pin_ports": "plan.front",
     "properties": "export.properties",
     "result_layout": "streams",
@@ -119,6 +121,7 @@ __all__ = [
     "generate",
     "module_ports",
     "own_bus_ports",
+    "packet_sample_ports",
     "pin_ports",
     "properties",
     "result_layout",

@@ -49,6 +49,7 @@ BENCHES = {
     "packets": unit({"result": "axi-stream", **SEPARATE}, overrun="drop-result"),
     "stream": unit({"result": "stream"}, clock_enable=True),
     "packets both ways": unit({"result": "axi-stream", "sample": "axi-stream", **SEPARATE}),
+    "stream both ways": unit({"result": "stream", "sample": "stream", **SEPARATE}),
     "packets to registers": unit({"result": "apb", "sample": "axi-stream"}),
     "uart": wired("stim300", {"result": "axi-lite"}, clock_hz=16 * 921600.0),
     "uart, parity": wired("custom", {"result": "apb"}, clock_hz=16 * 921600.0, parity="even"),

@@ -23,9 +23,9 @@ from sculler_hdl.lib.layout import shape_of
 from sculler_hdl.plan.bus_ports import (
     BUS_PREFIXES,
     CORE,
-    SAMPLE_PREFIX,
     bus_ports,
     has_front,
+    packet_sample_ports,
     takes_packets,
     the_bus,
 )
@@ -120,7 +120,8 @@ class ResultBus(wiring.Component):
             return
         bits = tuple(port.bits for port in self._sample if port.name != "sample_fault")
         m.submodules.receiver = receiver = SampleReceiver(bits)
-        given = [getattr(self, SAMPLE_PREFIX + name) for name in ("data", "last", "user")]
+        ports = packet_sample_ports(self.bus.sample or "")
+        valid, ready, *given = (getattr(self, port.name) for port in ports.values())
         m.d.comb += [
             gate.sample_valid.eq(receiver.sample_valid),
             receiver.sample_ready.eq(gate.sample_ready),
@@ -130,16 +131,16 @@ class ResultBus(wiring.Component):
         taken = Cat(receiver.word, receiver.last, receiver.fault)
         if self.domain == "sync":
             m.d.comb += [
-                receiver.valid.eq(self.s_axis_tvalid),
-                self.s_axis_tready.eq(receiver.ready),
+                receiver.valid.eq(valid),
+                ready.eq(receiver.ready),
                 taken.eq(Cat(*given)),
             ]
             return
         queue = CrossingQueue(32 + 2, PACKET_CROSSING, "bus", "sync")
         m.submodules.sample_crossing = queue
         m.d.comb += [
-            queue.valid_in.eq(self.s_axis_tvalid),
-            self.s_axis_tready.eq(queue.ready_in),
+            queue.valid_in.eq(valid),
+            ready.eq(queue.ready_in),
             queue.data_in.eq(Cat(*given)),
             receiver.valid.eq(queue.valid_out),
             queue.ready_out.eq(receiver.ready),

@@ -29,7 +29,9 @@ def bus_files(design: Design) -> Mapping[str, str]:
     return texts
 
 
-_TAKING = frozenset({"s_axi_awready", "s_axi_wready", "s_axi_arready", "s_axis_tready"})
+_TAKING = frozenset(
+    {"s_axi_awready", "s_axi_wready", "s_axi_arready", "s_axis_tready", "sample_packet_ready"}
+)
 _STALLING = frozenset({"wb_stall"})
 """By which the bus takes something from who is not in reset; classic cycles and APB wait."""
 

@@ -28,7 +28,7 @@ BUS_PREFIXES = {
 }
 """What the names of a bus's ports begin with."""
 
-SAMPLE_PREFIX = "s_axis_t"
+SAMPLE_PREFIXES = {"axi-stream": "s_axis_t", "stream": "sample_packet_"}
 """What the names of ports begin with by which packets of samples come."""
 
 
@@ -78,21 +78,36 @@ def has_front(design: Design) -> bool:
 
 def takes_packets(design: Design) -> bool:
     """Whether samples come as packets."""
-    return the_bus(design).sample == "axi-stream"
+    return the_bus(design).takes_packets
+
+
+def packet_sample_ports(kind: str) -> dict[str, Port]:
+    """The ports by which packets of samples come, by the names that AXI4-Stream has for them."""
+    names = {name: name for name in ("valid", "ready", "data", "last", "user")}
+    if kind == "stream":
+        names["user"] = "fault"
+    told = {
+        "valid": "a word of a sample is offered",
+        "ready": "it is taken in this clock",
+        "data": "a count, extended by its sign; gyro x, y, z, accel x, y, z",
+        "last": "this word is the sample's last",
+        "user": "with the last word: the sensor marks the sample",
+    }
+    return {
+        name: Port(
+            f"{SAMPLE_PREFIXES[kind]}{own}",
+            32 if name == "data" else 1,
+            output=name == "ready",
+            told=told[name],
+        )
+        for name, own in names.items()
+    }
 
 
 def _sample_side(design: Design) -> list[Port]:
     if takes_packets(design):
         return [
-            Port("s_axis_tvalid", 1, told="a word of a sample is offered"),
-            Port("s_axis_tready", 1, output=True, told="it is taken in this clock"),
-            Port(
-                "s_axis_tdata",
-                32,
-                told="a count, extended by its sign; gyro x, y, z, accel x, y, z",
-            ),
-            Port("s_axis_tlast", 1, told="this word is the sample's last"),
-            Port("s_axis_tuser", 1, told="with the last word: the sensor marks the sample"),
+            *packet_sample_ports(the_bus(design).sample or "").values(),
             Port(
                 "packets_bad",
                 16,

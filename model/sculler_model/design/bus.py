@@ -20,7 +20,8 @@ class Bus(Part):
             "wishbone-pipelined" and "apb": a file of registers; "axi-stream": a packet a result;
             "stream": the same with plain valid and ready.
         sample: where samples come from.  "ports": the core's sample port; "axi-stream": a packet a
-            sample; "front": the sensor front end, and so it is where there is one.
+            sample; "stream": the same with plain valid and ready; "front": the sensor front end,
+            and so it is where there is one.
         depth: results that wait for the host, a power of two.
         time_stamps: whether a counter of clocks tells when samples came and results were made.
         clock: "same", the bus has the core's clock; "separate", a clock of its own.
@@ -34,8 +35,8 @@ class Bus(Part):
         ),
     ]
     sample: Annotated[
-        Literal["ports", "axi-stream", "front"] | None,
-        Field(description='"ports", "axi-stream" or "front"'),
+        Literal["ports", "axi-stream", "stream", "front"] | None,
+        Field(description='"ports", "axi-stream", "stream" or "front"'),
     ] = None
     depth: Annotated[
         int, Field(ge=2, le=DEEPEST, description=f"a power of two from 2 to {DEEPEST}")
@@ -61,6 +62,11 @@ class Bus(Part):
     def has_registers(self) -> bool:
         """Whether the host reads and writes registers, and does not get a stream."""
         return self.result not in ("stream", "axi-stream")
+
+    @property
+    def takes_packets(self) -> bool:
+        """Whether samples come as packets."""
+        return self.sample in ("axi-stream", "stream")
 
     @property
     def depth_log2(self) -> int:

@@ -175,9 +175,9 @@ class Hardware(Part):
             raise ValueError(
                 'hardware.bus.sample: "front" needs [hardware.front], give that or leave it out'
             )
-        if bus is not None and bus.sample == "axi-stream" and front:
+        if bus is not None and bus.takes_packets and front:
             raise ValueError(
-                'hardware.bus.sample: "axi-stream" is not possible with [hardware.front], which'
+                f'hardware.bus.sample: "{bus.sample}" is not possible with [hardware.front], which'
                 " gives the samples: leave it out"
             )
         return bus

@@ -9,6 +9,7 @@ from sculler_hdl import (
     Generated,
     RegisterMap,
     own_bus_ports,
+    packet_sample_ports,
     pin_ports,
     unit_ports,
     unread_ports,
@@ -96,8 +97,8 @@ def _interfaces(bus: Bus, clock: str, reset: str) -> tuple[Interface, ...]:
         name = prefix.rstrip("_t").rstrip("_")
         found.append(Interface(name, kind, clock, reset, ports, not bus.has_registers))
     if bus.sample == "axi-stream":
-        names = ("valid", "ready", "data", "last", "user")
-        ports = {f"T{name}".upper(): f"s_axis_t{name}" for name in names}
+        own = packet_sample_ports(bus.sample)
+        ports = {f"T{name}".upper(): port.name for name, port in own.items()}
         found.append(Interface("s_axis", "axi-stream", clock, reset, ports, gives=False))
     return tuple(found)
 
@@ -105,5 +106,5 @@ def _interfaces(bus: Bus, clock: str, reset: str) -> tuple[Interface, ...]:
 def _crossings(bus: Bus) -> tuple[str, ...]:
     """The queues with Gray pointers, by their places."""
     names = ["request", "answer"] if bus.has_registers else ["packet"]
-    names += ["sample"] if bus.sample == "axi-stream" else []
+    names += ["sample"] if bus.takes_packets else []
     return tuple(f"{_BUS}/{name}_crossing" for name in names)

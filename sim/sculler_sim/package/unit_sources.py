@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sculler_hdl import sample_ports
+from sculler_hdl import packet_sample_ports, sample_ports
 from sculler_model.design import Design
 from sculler_model.front import Link, Spi, Uart, frame_of
 from sculler_model.golden import Sample
@@ -46,7 +46,7 @@ def source(design: Design, samples: list[Sample], period: int, side: str) -> Sou
     if link is not None:
         return _sensor(design, link, samples, period)
     longest = period * (len(samples) * 40_000 + 100_000)
-    of = _packets if bus.sample == "axi-stream" else _ports
+    of = _packets if bus.takes_packets else _ports
     return of(design, samples, longest, side)
 
 
@@ -77,8 +77,11 @@ def _ports(design: Design, samples: list[Sample], longest: int, side: str) -> So
 
 def _packets(design: Design, samples: list[Sample], longest: int, side: str) -> Source:
     """Packets of six words, in the bus's clock."""
-    names = ("valid", "ready", "data", "last")
-    nets = {f"s_axis_t{name}": f"sample_{name}" for name in names} | {"s_axis_tuser": "1'b0"}
+    bus = design.hardware.bus
+    assert bus is not None
+    ports = packet_sample_ports(bus.sample or "")
+    nets = {port.name: f"sample_{name}" for name, port in ports.items()}
+    nets[ports["user"].name] = "1'b0"
     text = f"""  reg [31:0] samples [0:{6 * len(samples) - 1}];
   initial $readmemh("{design.name}_unit_sensor.hex", samples);
   integer taken = 0;
