@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from sculler_hdl.channels.core import ChannelCore
 from sculler_hdl.compact.core import CompactCore
 from sculler_hdl.compensated.core import CompensatedCore
 from sculler_hdl.hardened.compact import HardenedCompactCore
 from sculler_hdl.hardened.pipelined import HardenedPipelinedCore
 from sculler_hdl.pipelined.core import PipelinedCore
-from sculler_hdl.plan.timing import require_one_channel
 from sculler_model.design import Design
 
-Core = CompactCore | PipelinedCore | HardenedCompactCore | HardenedPipelinedCore | CompensatedCore
+Core = (
+    CompactCore
+    | PipelinedCore
+    | HardenedCompactCore
+    | HardenedPipelinedCore
+    | CompensatedCore
+    | ChannelCore
+)
 
 
 def build_core(design: Design, *, primitive: bool = True) -> Core:
@@ -24,9 +31,10 @@ def build_core(design: Design, *, primitive: bool = True) -> Core:
     Raises:
         InputError: `hardware.multipliers` are too few.
     """
-    require_one_channel(design)
     if design.compensation is not None:
         return CompensatedCore(design, primitive=primitive)
+    if design.channels > 1:
+        return ChannelCore(design, primitive=primitive)
     if design.hardware.hardening is not None:
         compact = design.hardware.core == "compact"
         made = HardenedCompactCore if compact else HardenedPipelinedCore

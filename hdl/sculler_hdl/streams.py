@@ -8,15 +8,21 @@ from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.core import build_core
 from sculler_hdl.lib.layout import vector
-from sculler_hdl.plan.ports import counter_ports
+from sculler_hdl.plan.ports import channel_bits, counter_ports
 from sculler_model.design import AXES, Design
 from sculler_model.golden import COUNTER_BITS, PORT_MAJOR_BITS, WORD_BITS
 
 
 def sample_layout(design: Design) -> data.StructLayout:
-    """A sample: `gyro` and `accel`, three signed counts each, and `fault`, the sensor's mark."""
+    """A sample: `gyro` and `accel`, three signed counts each, and `fault`, the sensor's mark.
+
+    Where the core has channels `channel`, whose it is, and `restart`, with which that one begins
+    anew, follow.
+    """
     words = design.words
-    return data.StructLayout({"gyro": vector(words.gyro), "accel": vector(words.accel), "fault": 1})
+    members = {"gyro": vector(words.gyro), "accel": vector(words.accel), "fault": unsigned(1)}
+    tags = {"channel": unsigned(channel_bits(design)), "restart": unsigned(1)}
+    return data.StructLayout(members | (tags if design.channels > 1 else {}))
 
 
 def result_layout(design: Design) -> data.StructLayout:
@@ -24,10 +30,13 @@ def result_layout(design: Design) -> data.StructLayout:
 
     A result has `major` (unsigned, 64 bits), `status` (4 bits, 5 of a hardened core) and the
     design's vectors, three signed components each: `alpha`, `coning_within` and so on, as wide as
-    their worst case.  A word has `data` (16 bits) and `last`, which marks the last of a result.
+    their worst case.  A word has `data` (16 bits) and `last`, which marks the last of a result,
+    and where the core has channels `channel`, whose it is.
     """
     if design.hardware.handover == "stream":
-        return data.StructLayout({"data": unsigned(WORD_BITS), "last": 1})
+        word = {"data": unsigned(WORD_BITS), "last": unsigned(1)}
+        whose = {"channel": unsigned(channel_bits(design))}
+        return data.StructLayout(word | (whose if design.channels > 1 else {}))
     vectors = {name: vector(getattr(design.words, name)) for name in design.vectors}
     head = {"major": unsigned(PORT_MAJOR_BITS), "status": unsigned(design.status_bits)}
     return data.StructLayout(head | vectors)
@@ -89,6 +98,11 @@ class StreamCore(wiring.Component):
             self.results.valid.eq(core.result_valid),
             core.result_ready.eq(self.results.ready),
         ]
+        if self.design.channels > 1:
+            m.d.comb += [
+                core.sample_channel.eq(sample.channel),
+                core.sample_restart.eq(sample.restart),
+            ]
         m.d.comb += [
             getattr(core, f"sample_{sensor}_{axis}").eq(sample[sensor][i])
             for sensor in ("gyro", "accel")

@@ -12,6 +12,8 @@ The rules of a run, whatever the engine:
 * A result that comes as a stream of words is taken with its last word.
 * Where the core has `clk_en`, stalls hold it low at random too.  In such a clock nothing is taken;
   a sample that is offered in it need not stay.
+* Where the core has channels, the tags of what is not offered are complements, too; results come in
+  the order of the samples that complete them.
 * `RESET` in place of a chunk raises `rst` for one clock, once the results of all complete major
   intervals before it have been taken; the next sample is then the first.
 * After the last sample the run goes on until the results of all complete major intervals have
@@ -21,16 +23,18 @@ The rules of a run, whatever the engine:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 from numpy.typing import NDArray
 
 from sculler_hdl import timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
-from sculler_model.golden import CycleModel, Ports
+from sculler_model.golden import ChannelCycleModel, ChannelTiming, CycleModel, Ports
 from sculler_sim.engines import amaranth as amaranth_engine
 from sculler_sim.engines import verilator as verilator_engine
 from sculler_sim.run import CheckedChunk, Chunk, PortTrace, Progress, check_chunks
@@ -60,8 +64,8 @@ class Run(Iterator[VectorBlock]):
 
     @property
     def leftover(self) -> int:
-        """Samples so far in a major interval that is not complete, which gives no result."""
-        return self.progress.since_reset % self._design.samples_per_major
+        """Samples since the last reset in major intervals that are not complete."""
+        return self.progress.since_reset - self.progress.due * self._design.samples_per_major
 
 
 def simulate(
@@ -110,6 +114,8 @@ def trace(
     stimulus: Stimulus,
     clocks: int,
     engine: EngineName,
+    channels: NDArray[Any] | None = None,
+    restarts: NDArray[Any] | None = None,
 ) -> PortTrace:
     """Every output port on each of the first `clocks` clocks.
 
@@ -119,11 +125,13 @@ def trace(
         stimulus: levels of the handshakes and the reset.
         clocks: how many clocks to run.
         engine: as for `simulate`.
+        channels, restarts: as in a chunk, where the core has channels.
 
     Raises:
         InputError: as for `simulate`.
     """
-    checked = check_chunks(design, [(counts, faults)])
+    chunk = (counts, faults) if channels is None else (counts, channels, faults, restarts)
+    checked = check_chunks(design, [chunk])
     if engine == "verilator":
         return verilator_engine.trace(design, checked, stimulus, clocks)
     surroundings = Surroundings(design, timing(design), checked, stimulus, Progress(), clocks)
@@ -143,10 +151,18 @@ def _stream(
     taken = surroundings.taken
     for _ in _clocks(design, surroundings, engine, wave):
         if len(taken) >= _RESULTS:
-            yield VectorBlock.from_rows(taken, design)
+            yield _block(design, taken)
             taken.clear()
     if taken:
-        yield VectorBlock.from_rows(taken, design)
+        yield _block(design, taken)
+
+
+def _block(design: Design, taken: list[tuple[int, ...]]) -> VectorBlock:
+    """Results as `Surroundings.taken` has them."""
+    if design.channels == 1:
+        return VectorBlock.from_rows(taken, design)
+    channels = np.array([row[-1] for row in taken], np.int64)
+    return replace(VectorBlock.from_rows((row[:-1] for row in taken), design), channels=channels)
 
 
 def _clocks(
@@ -161,7 +177,12 @@ def _clocks(
 
 
 def _model_clocks(design: Design, surroundings: Surroundings) -> Iterator[Ports]:
-    model = CycleModel(design, timing(design))
+    clocks = timing(design)
+    model: Any = (  # each takes the samples of its designs
+        ChannelCycleModel(design, clocks)
+        if isinstance(clocks, ChannelTiming)
+        else CycleModel(design, clocks)
+    )
     while not surroundings.done:
         now = surroundings.inputs
         offered = now.sample if now.sample_valid else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +14,34 @@ from sculler_model.errors import Error, InputError
 from sculler_model.golden import Ports, Timing, check_widths, result_ports
 from sculler_sim.stimulus import Stimulus
 
-Chunk = tuple[NDArray[Any], NDArray[Any] | None]
-"""Consecutive samples: counts (N, 6), gyro then accelerometer, and faults (N,) or None for 0."""
+Chunk = (
+    tuple[NDArray[Any], NDArray[Any] | None]
+    | tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None, NDArray[Any] | None]
+)
+"""Consecutive samples: counts (N, 6), gyro then accelerometer, and faults (N,) or None for 0.
+
+Where the core has channels: counts, channels (N,), faults and restarts (N,) or None for 0.
+"""
 
 RESET = None
 """In place of a chunk: reset the core here, once the results of the samples before are out."""
 
-CheckedChunk = tuple[NDArray[np.int32], NDArray[np.uint8]]
-"""The same from `check_chunks`: C-contiguous, every value legal."""
+
+class CheckedChunk(NamedTuple):
+    """The same from `check_chunks`: C-contiguous, every value legal.
+
+    Attributes:
+        counts, faults: as above.
+        tags: (N,) channel * 2 + restart; empty where the core has one channel.
+    """
+
+    counts: NDArray[np.int32]
+    faults: NDArray[np.uint8]
+    tags: NDArray[np.int32]
+
+    def rest(self, done: int) -> CheckedChunk:
+        """What is left when so many samples are done."""
+        return CheckedChunk(self.counts[done:], self.faults[done:], self.tags[done:])
 
 
 class SimulationError(Error, RuntimeError):
@@ -49,6 +69,7 @@ class Progress:
         samples: samples the core has taken.
         lost: samples that were given up before it had.
         since_reset: samples taken since the last reset.
+        due: major intervals since then whose last sample was taken.
         results: results taken, to their last word.
         intervals_told: major intervals since the last reset up to the last one whose result was
             taken, results that the core dropped included.
@@ -62,10 +83,12 @@ class Progress:
     results: int = 0
     intervals_told: int = 0
     idle: int = 0
+    due: int = 0
 
-    def drained(self, design: Design) -> bool:
+    @property
+    def drained(self) -> bool:
         """Whether every complete major interval's result has been taken."""
-        return self.intervals_told >= self.since_reset // design.samples_per_major
+        return self.intervals_told >= self.due
 
     def check_alive(self, stimulus: Stimulus, timing: Timing) -> None:
         """Raise SimulationError if nothing has moved for much longer than the two explain."""
@@ -93,7 +116,12 @@ def check_chunks(design: Design, chunks: Iterable[Chunk | None]) -> Iterator[Che
         if chunk is RESET:
             yield RESET
             continue
-        counts, faults = chunk
+        if len(chunk) == 2:
+            counts, faults = chunk
+            tags = _tags(design, first, len(counts), None, None)
+        else:
+            counts, channels, faults, restarts = chunk
+            tags = _tags(design, first, len(counts), channels, restarts)
         counts = np.asarray(counts)
         if counts.ndim != 2 or counts.shape[1] != 6 or counts.dtype.kind not in "iu":
             raise InputError(
@@ -113,8 +141,44 @@ def check_chunks(design: Design, chunks: Iterable[Chunk | None]) -> Iterator[Che
         if (least < lo).any() or (most > hi).any():
             row = int(((counts < lo) | (counts > hi)).any(axis=1).argmax())
             check_widths(words, first + row, counts[row].tolist())
-        yield np.ascontiguousarray(counts, np.int32), np.ascontiguousarray(marks, np.uint8)
+        yield CheckedChunk(
+            np.ascontiguousarray(counts, np.int32), np.ascontiguousarray(marks, np.uint8), tags
+        )
         first += len(counts)
+
+
+def _tags(
+    design: Design,
+    first: int,
+    samples: int,
+    channels: NDArray[Any] | None,
+    restarts: NDArray[Any] | None,
+) -> NDArray[np.int32]:
+    """`CheckedChunk.tags` of samples, of which the first has this number.
+
+    Raises:
+        InputError: there are no channels where the core has some, or the other way round; or one is
+            not there.
+    """
+    if (channels is not None) != (design.channels > 1):
+        given = "no channels" if channels is None else "channels"
+        raise InputError(
+            f"samples from {first} on: {given}, but hardware.channels = {design.channels}"
+        )
+    if channels is None:
+        return np.zeros(0, np.int32)
+    whose = np.asarray(channels)
+    again = np.zeros(samples, np.int32) if restarts is None else np.asarray(restarts) != 0
+    if whose.shape != (samples,) or whose.dtype.kind not in "iu" or again.shape != (samples,):
+        raise InputError(f"samples from {first} on: give {samples} channels and restarts")
+    wrong = (whose < 0) | (whose >= design.channels)
+    if wrong.any():
+        at = int(np.argmax(wrong))
+        raise InputError(
+            f"sample {first + at}: channel {whose[at]} is not there, give 0 to"
+            f" {design.channels - 1}"
+        )
+    return np.ascontiguousarray(2 * whose.astype(np.int32) + again, np.int32)
 
 
 def _extremes(counts: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:

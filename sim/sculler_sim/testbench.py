@@ -24,10 +24,8 @@ It needs no Python to run: any simulator of Verilog-2001 does.  Inside,
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from importlib import resources
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
-from string import Template
 
 from sculler_hdl import Port, counter_ports, result_ports, sample_ports
 from sculler_model.design import STATUS_LOST, Design
@@ -36,13 +34,14 @@ from sculler_model.fast import run_fast
 from sculler_model.golden import (
     COUNTER_MAX,
     RELEASE,
+    ChannelTiming,
     Timing,
     to_words,
     words_per_column,
     words_per_result,
 )
 from sculler_model.outputs import make_folder, replacing
-from sculler_sim.bench_goals import goals_of, inside, numbering, slices
+from sculler_sim.bench_goals import goals_of, inside, numbering
 from sculler_sim.bench_runs import (
     LEAST,
     Kind,
@@ -56,12 +55,17 @@ from sculler_sim.bench_runs import (
     samples_of,
     stages,
 )
+from sculler_sim.bench_text import (
+    checks,
+    clocking_connections,
+    connections,
+    declarations,
+    fill,
+    packed_hex,
+)
+from sculler_sim.channel_bench import channel_bench
 
 __all__ = ["LEAST", "Least", "run_lengths", "testbench", "write_testbench"]
-
-
-class _Template(Template):
-    delimiter = "%%"  # neither Verilog nor Markdown has it
 
 
 def write_testbench(
@@ -90,7 +94,10 @@ def write_testbench(
     """
     if design.compensation is not None:
         raise InputError("compensation: the test bench is that of a core without, leave it out")
-    files = testbench(design, timing, cells, least)
+    if isinstance(timing, ChannelTiming):
+        files = channel_bench(design, timing, cells)
+    else:
+        files = testbench(design, timing, cells, least)
     folder = make_folder(folder)
     for name, text in files.items():
         with replacing(folder / name) as temporary:
@@ -134,12 +141,12 @@ def testbench(
     # the counters of a hardened core are several, which agree
     alone = "`define SCULLER_PORTS_ONLY\n" if design.hardware.hardening else ""
     return {
-        f"{design.name}_tb.v": alone + _fill("testbench.v.in", values),
+        f"{design.name}_tb.v": alone + fill("testbench.v.in", values),
         f"{design.name}_samples.hex": packed_hex(
             (row for rows in samples for row in rows.tolist()), sample_ports(design)
         ),
         f"{design.name}_expected.hex": packed_hex(expected, result_ports(design)),
-        "README.md": _fill("testbench.md.in", values),
+        "README.md": fill("testbench.md.in", values),
     }
 
 
@@ -212,9 +219,9 @@ def _port_texts(design: Design) -> dict[str, object]:
         "counter_checks": "\n".join(_counter_checks(counters, at_once=at_once)),
         "sample_bits": sum(port.bits for port in inputs),
         "result_bits": sum(port.bits for port in outputs),
-        "declarations": "\n".join(_declarations(outputs)),
-        "connections": ",\n".join(_connections(inputs, outputs)),
-        "checks": "\n".join(_checks(outputs)),
+        "declarations": "\n".join(declarations(outputs)),
+        "connections": ",\n".join(connections(inputs, outputs)),
+        "checks": "\n".join(checks(outputs)),
         "expected": _STREAM_LINE if stream else _PARALLEL_LINE,
     }
 
@@ -261,59 +268,10 @@ def _clocking(design: Design) -> dict[str, object]:
     }
 
 
-def clocking_connections(design: Design, clk_en: str = "clk_en") -> list[str]:
-    """Connections of the reset, to `rst`, and of the clock enable, if there is one."""
-    low = design.hardware.reset_active == "low"
-    enables = [f".clk_en({clk_en})"] if design.hardware.clock_enable else []
-    return [".rst_n(!rst)" if low else ".rst(rst)", *enables]
-
-
 _STREAM_LINE = "one word of a result a line: `result_last` (top bit) and `result_data`"
 _PARALLEL_LINE = (
     "one result a line: the ports from `result_sculling_between_z` (top) to `result_major`"
 )
-
-
-def _fill(template: str, values: dict[str, object]) -> str:
-    text = resources.files("sculler_sim").joinpath(template).read_text(encoding="ascii")
-    return _Template(text).substitute(values)
-
-
-def packed_hex(rows: Iterable[Iterable[int]], ports: Sequence[Port]) -> str:
-    """One packed word a line for $readmemh, the first port in the lowest bits."""
-    digits = -(-sum(port.bits for port in ports) // 4)
-    lines = []
-    for row in rows:
-        word = shift = 0
-        for value, port in zip(row, ports, strict=True):
-            word |= (value & ((1 << port.bits) - 1)) << shift
-            shift += port.bits
-        lines.append(f"{word:0{digits}x}\n")
-    return "".join(lines)
-
-
-def _declarations(ports: list[Port]) -> Iterator[str]:
-    for port, place in slices(ports):
-        kind = "signed " if port.signed else ""
-        wanted = port.name.replace("result_", "want_")
-        yield f"  wire {kind}[{port.bits - 1}:0] {port.name};"
-        yield f"  wire {kind}[{port.bits - 1}:0] {wanted} = want{place};"
-
-
-def _connections(inputs: list[Port], outputs: list[Port]) -> Iterator[str]:
-    for port, place in slices(inputs):
-        yield f"    .{port.name}(sample{place})"
-    for port in outputs:
-        yield f"    .{port.name}({port.name})"
-
-
-def _checks(ports: list[Port]) -> Iterator[str]:
-    for name in (port.name for port in ports):
-        wanted = name.replace("result_", "want_")
-        yield f"    end else if (want_valid && {name} !== {wanted}) begin"
-        yield f'      $display("FAIL: result %0d, word %0d, {name}: %0d, expected %0d",'
-        yield f"               results, part, {name}, {wanted});"
-        yield "      fail;"
 
 
 _COUNTED = {"samples_lost": "lost", "results_dropped": "dropped"}

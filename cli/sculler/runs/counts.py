@@ -211,9 +211,13 @@ def simulate_log(
     """
     start = time.perf_counter()
     timing(design)  # a core that cannot be built is told first
-    source = _Source(design, log, breaks, advance)
+    source: _Source | ChannelSource
+    if design.channels > 1:
+        source = ChannelSource(design, log, advance)
+    else:
+        source = _Source(design, log, breaks, advance)
     # a log at fault from the beginning is told before anything is compiled
-    chunks = iter(source)
+    chunks: Iterator[Any] = iter(source)
     chunks = chain([next(chunks)], chunks)
     run = simulate(design, chunks, engine=engine, stimulus=stimulus, wave=wave)
     counted = _write(design, map(source.stamped, run), output, source.has_times)

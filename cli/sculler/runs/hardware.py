@@ -176,6 +176,11 @@ def write_hardware(
     if not plain and (packaged or data_sheet):
         option = "--package" if packaged else "--data-sheet"
         raise InputError(f"{option}: is not built for a design with compensation, leave it out")
+    if design.channels > 1 and (packaged or data_sheet):
+        option = "--package" if packaged else "--data-sheet"
+        raise InputError(
+            f"{option}: not built for a core with channels, leave it or hardware.channels out"
+        )
     report = None if placed is None else read_report(placed, design)
     generated = generate(design)
     texts = texts_of(generated)

@@ -21,6 +21,7 @@ from sculler_hdl.lib.memory import BlockMemory
 from sculler_hdl.plan.compact.digits import OPERAND
 from sculler_hdl.plan.compact.instructions import When
 from sculler_hdl.plan.compact.plan import CompactPlan
+from sculler_hdl.plan.ports import channel_bits
 from sculler_model.design import STATUS_BITS, STATUS_LOST, STATUS_RAIL
 from sculler_model.golden import WORD_BITS, words_per_column, words_per_result
 
@@ -44,6 +45,8 @@ class Engine(wiring.Component):
         sample_address (out), sample_data (in): to the sample memory, slot above index.
         store, store_address, store_data (out): to the result memory.
         bank (out): of the result memory, that goes to, counted from the one being filled.
+        channel, phase (in), owner (out), where there are channels: whose the newest sample is and
+            its phase, looked at in the clock of `launch`; whose that is which it works on.
         storing, digit (out), agreed_digit (in), where it is `tied`: a digit is stored, what it is,
             and what is stored for it instead, unless `starting`.
 
@@ -62,9 +65,10 @@ class Engine(wiring.Component):
         self.primitive = primitive
         self.index_bits = plan.sizes.index_bits
         self.slot_bits = plan.sizes.slot_bits
+        self.banks = plan.microcode.banks
         self.left, self.right = (
-            BlockMemory(plan.target, BITS, [0] * len(memory.names), primitive=primitive)
-            for memory in (plan.program.left, plan.program.right)
+            BlockMemory(plan.target, BITS, [0] * words, primitive=primitive)
+            for words in (self.banks.words, len(plan.program.right.names))
         )
         # of the sample that is worked on
         self.newest = Signal(self.slot_bits)
@@ -72,6 +76,16 @@ class Engine(wiring.Component):
         self.rail = Signal()
         # two bits of the status, put in where it is stored, so that they need no instruction
         self.marks = {RAIL: Signal(name="rail_mark"), LOST: Signal(name="lost_mark")}
+        number = channel_bits(design)
+        channels = (
+            {
+                "channel": In(number),
+                "phase": In(range(design.algorithm.samples)),
+                "owner": Out(number),
+            }
+            if self.banks.own
+            else {}
+        )
         ties = {"storing": Out(1), "digit": Out(BITS), "agreed_digit": In(BITS)} if tied else {}
         super().__init__(
             {
@@ -89,6 +103,7 @@ class Engine(wiring.Component):
                 "store_address": Out(range(words_per_result(design))),
                 "store_data": Out(WORD_BITS),
                 "bank": Out(plan.sizes.bank_bits),
+                **channels,
                 **ties,
             }
         )
@@ -115,6 +130,9 @@ class Engine(wiring.Component):
                 memory.write_address.eq(word.address),
                 memory.write_data.eq(digit),
             ]
+        if self.banks.own:
+            address = word.address[: self.banks.bank_bits]
+            m.d.comb += self.left.write_address.eq(Cat(address, self._bank(word.store_own)))
         m.d.comb += [
             self.store.eq(word.store_result & self.step),
             self.store_address.eq(word.address),
@@ -124,6 +142,11 @@ class Engine(wiring.Component):
             self.bank.eq(Cat(self.starting & bit for bit in bank_bits)),
         ]
         return m
+
+    def _bank(self, own: Value) -> Value:
+        """The bank of the left memory where a word stands: the channel's own, or the common one."""
+        number = len(self.left.address) - self.banks.bank_bits
+        return Mux(own, self.owner, self.banks.common_bank)[:number]
 
     def _fetch(self, m: Module) -> tuple[data.View, data.View]:
         """The program counter and memory; returns the halves of words that act in this step."""
@@ -181,6 +204,12 @@ class Engine(wiring.Component):
                 self.newest.eq(self.slot),
                 self.present.eq(self.conditions),
             ]
+            if self.banks.own:
+                m.d.sync += self.owner.eq(self.channel)
+                with m.Switch(self.phase):
+                    for phase, start in code.starts.items():
+                        with m.Case(phase - 1):
+                            m.d.sync += counter.eq(start)
         with m.If(ControlDelay(m, "launched", self.launch).at_clock(2)):
             m.d.sync += self.rail.eq(self.at_rail)
         m.d.comb += self.publish.eq(self.step & word.publish & self.present.major_end)
@@ -189,7 +218,8 @@ class Engine(wiring.Component):
     def _operands(self, m: Module, operands: data.View, word: data.View) -> tuple[Value, Value]:
         """From the addresses in the word to the two operands."""
         m.submodules.left, m.submodules.right = self.left, self.right
-        zero = self.plan.program.idle.left.address
+        zero = self.banks.within(self.plan.program.idle.left.address)
+        zero |= self.banks.common_bank << self.banks.bank_bits
         left_address = Signal(len(self.left.address))
         right_address = Signal(len(self.right.address))
         sample_address = Signal(len(self.sample_address))
@@ -199,7 +229,11 @@ class Engine(wiring.Component):
         with m.If(self.step):
             m.d.sync += [
                 counts.eq(self._counts(operands.when)),
-                left_address.eq(operands.left),
+                left_address.eq(
+                    Cat(operands.left, self._bank(operands.own))
+                    if self.banks.own
+                    else operands.left
+                ),
                 right_address.eq(operands.right),
                 sample_address.eq(Cat(index, (self.newest - distance)[: self.slot_bits])),
             ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 
 from amaranth import C, Cat, Module, Mux, Signal, Value, signed, unsigned
@@ -34,9 +35,16 @@ class Loader(wiring.Component):
     Args:
         plan: the plan.
         told: whether a sample comes with its own mark of a count at its rail.
+        further: more members.
     """
 
-    def __init__(self, plan: CompactPlan, *, told: bool = False) -> None:
+    def __init__(
+        self,
+        plan: CompactPlan,
+        *,
+        told: bool = False,
+        further: Mapping[str, wiring.Member] | None = None,
+    ) -> None:
         self.told = told
         self.design = plan.design
         self.digits = plan.sizes.digits_per_count
@@ -49,7 +57,7 @@ class Loader(wiring.Component):
                 "take": In(1),
                 "gyro": In(data.ArrayLayout(signed(words.gyro.bits), 3)),
                 "accel": In(data.ArrayLayout(signed(words.accel.bits), 3)),
-                "busy": Out(1, init=1),
+                "busy": Out(1, init=int(further is None)),
                 "loaded": Out(1),
                 "rail": Out(1),
                 "slot": Out(slot_bits),
@@ -57,6 +65,7 @@ class Loader(wiring.Component):
                 "address": Out(index_bits + slot_bits),
                 "data": Out(unsigned(OPERAND.bits)),
                 **({"told_rail": In(1)} if told else {}),
+                **(further or {}),
             }
         )
 

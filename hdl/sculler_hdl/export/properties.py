@@ -60,7 +60,7 @@ def properties(design: Design) -> str:
 
     Raises:
         InputError: `hardware.multipliers` are too few, or the design has another reset than the
-            usual, a clock enable, or compensation.
+            usual, a clock enable, compensation, or channels.
     """
     if design.compensation is not None:
         raise InputError("compensation: the properties are those of a core without, leave it out")
@@ -69,6 +69,8 @@ def properties(design: Design) -> str:
             "hardware.reset, reset_active, clock_enable: the properties are those of a core with"
             " the usual reset and no clock enable, leave them out"
         )
+    if design.channels > 1:
+        raise InputError("hardware.channels: properties are those of a core with one, leave it out")
     clocks = timing(design)
     numbers = {**_samples(design, clocks), **_results(design, clocks)}
     held = list(_conditions(design, clocks))
@@ -94,7 +96,8 @@ def properties(design: Design) -> str:
 
 def property_file(design: Design) -> dict[str, str]:
     """The same by its file's name; none where `properties` has none."""
-    if not design.hardware.clocked_plainly or design.compensation is not None:
+    none = design.compensation is not None or design.channels > 1
+    if not design.hardware.clocked_plainly or none:
         return {}
     return {f"{design.name}_properties.sv": properties(design)}
 

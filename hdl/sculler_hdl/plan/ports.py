@@ -70,13 +70,19 @@ def reset_told(design: Design) -> str:
 
 
 def sample_ports(design: Design) -> list[Port]:
-    """The ports that a sample stands on, in their order: the counts and the fault mark."""
+    """The ports that a sample stands on, in their order: counts, fault mark, tags of a channel."""
     counts = [
         Port(f"sample_{sensor}_{axis}", getattr(design.words, sensor).bits, signed=True)
         for sensor in ("gyro", "accel")
         for axis in AXES
     ]
-    return [*counts, Port("sample_fault", 1)]
+    tags = [Port("sample_channel", channel_bits(design)), Port("sample_restart", 1)]
+    return [*counts, Port("sample_fault", 1), *(tags if design.channels > 1 else [])]
+
+
+def channel_bits(design: Design) -> int:
+    """Width of the number of a channel."""
+    return (design.channels - 1).bit_length()
 
 
 def component_ports(design: Design) -> list[Port]:
@@ -93,7 +99,10 @@ def component_ports(design: Design) -> list[Port]:
 def result_ports(design: Design) -> list[Port]:
     """The ports that a result, or a word of it, stands on, in their order."""
     if design.hardware.handover == "stream":
-        return [Port("result_data", WORD_BITS, output=True), Port("result_last", 1, output=True)]
+        words = [Port("result_data", WORD_BITS, output=True), Port("result_last", 1, output=True)]
+        if design.channels == 1:
+            return words
+        return [*words, Port("result_channel", channel_bits(design), output=True)]
     head = [
         Port("result_major", PORT_MAJOR_BITS, output=True),
         Port("result_status", design.status_bits, output=True),
@@ -127,6 +136,9 @@ _MEANINGS = {
     "clk_en": "clock enable: while it is low all but the reset stands still",
     "sample_valid": "a sample is offered",
     "sample_ready": "the offered sample is taken in this clock",
+    "sample_channel": "whose sample it is, from 0; one that is not there is taken for nothing",
+    "sample_restart": "its channel begins anew with this sample: no history, results from 0",
+    "result_channel": "whose result it is, the same with all its words",
     "sample_fault": "the sensor marks this sample; shown in result_status bit 1",
     "result_valid": "a result, or a word of it, waits",
     "result_ready": "the host takes what waits in this clock",

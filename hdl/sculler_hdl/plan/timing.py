@@ -6,24 +6,10 @@ from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.plan.compensation import plan_compensation
 from sculler_hdl.plan.pipelined import plan_pipelined
 from sculler_model.design import Design
-from sculler_model.errors import InputError
 from sculler_model.golden import Timing
 
 LOOKING = 3
 """Clocks that a hardened pipelined core of two copies looks at a result before it shows it."""
-
-
-def require_one_channel(design: Design) -> None:
-    """Refuse many channels.
-
-    Raises:
-        InputError: the design has them.
-    """
-    if design.channels > 1:
-        raise InputError(
-            f"hardware.channels: {design.channels} is not built as hardware yet, the models have"
-            " it: leave it out"
-        )
 
 
 def timing(design: Design) -> Timing:
@@ -32,7 +18,6 @@ def timing(design: Design) -> Timing:
     Raises:
         InputError: `hardware.multipliers` are too few.
     """
-    require_one_channel(design)
     if design.compensation is not None:
         return replace(timing(design.inner), compensation=plan_compensation(design).clocks)
     if design.hardware.core == "compact":

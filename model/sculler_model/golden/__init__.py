@@ -5,6 +5,12 @@ output port does on every clock.  `ChannelModel` is the reference of a core with
 There is no numpy here.  It imports `algorithms` and `design`.
 """
 
+from sculler_model.golden.channel_cycles import (
+    ABSENT,
+    AFTER_LAUNCH,
+    ChannelCycleModel,
+    ChannelTiming,
+)
 from sculler_model.golden.channels import ChannelModel, ChannelSample
 from sculler_model.golden.cycles import (
     COUNTER_BITS,
@@ -28,13 +34,17 @@ from sculler_model.golden.stream import (
 from sculler_model.golden.throughput import clocks_per_major, clocks_per_minor
 
 __all__ = [
+    "ABSENT",
+    "AFTER_LAUNCH",
     "COUNTER_BITS",
     "COUNTER_MAX",
     "PORT_MAJOR_BITS",
     "RELEASE",
     "WORD_BITS",
+    "ChannelCycleModel",
     "ChannelModel",
     "ChannelSample",
+    "ChannelTiming",
     "CycleModel",
     "Dropping",
     "GoldenModel",

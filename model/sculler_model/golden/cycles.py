@@ -170,10 +170,12 @@ class Ports(NamedTuple):
 
 def result_ports(design: Design) -> tuple[str, ...]:
     """Names, without `result_`, of the ports in `Ports.result`."""
-    return STREAM_PORTS if design.hardware.handover == "stream" else design.columns
+    if design.hardware.handover != "stream":
+        return design.columns
+    return STREAM_PORTS if design.channels == 1 else (*STREAM_PORTS, "channel")
 
 
-class _Counter:
+class EventCounter:
     """A counter that shows each event from a clock of its own on, and stays at its highest value.
 
     Reset clears it, events that it does not show yet included.
@@ -253,7 +255,7 @@ class CycleModel:
         self._refused = False  # the clock before offered a sample that was not taken
         self._under_way: _UnderWay | None = None  # what is being compensated
         self._lost_before = False  # a sample was, and none was taken since
-        self._lost, self._dropped = _Counter(), _Counter()
+        self._lost, self._dropped = EventCounter(), EventCounter()
         self._told = 0  # results to be taken until nothing tells of an upset any more
         self._seen = False  # an upset, in the present clock
 

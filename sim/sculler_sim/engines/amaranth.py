@@ -10,12 +10,12 @@ from typing import Any
 from amaranth.hdl import ClockDomain, Module
 from amaranth.sim import Simulator
 
-from sculler_hdl import ClockedCore, build_core, counter_ports
-from sculler_model.design import AXES, Design
+from sculler_hdl import ClockedCore, build_core, counter_ports, sample_ports
+from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.golden import Ports, result_ports
 from sculler_model.outputs import replacing
-from sculler_sim.surroundings import Inputs, Surroundings
+from sculler_sim.surroundings import Inputs, Surroundings, sample_levels
 
 _PERIOD = 1e-8  # seconds; only the waveform's time axis shows it
 
@@ -56,9 +56,7 @@ def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) ->
     top.domains.clock = clock = ClockDomain("clock", reset_less=True)
     clock.clk = core.clk
     reset, active = (core.rst_n, 0) if design.hardware.reset_active == "low" else (core.rst, 1)
-    sample_ports = [
-        getattr(core, f"sample_{sensor}_{axis}") for sensor in ("gyro", "accel") for axis in AXES
-    ]
+    inputs = [getattr(core, port.name) for port in sample_ports(design)]
     shown = [core.sample_ready, core.result_valid]
     results = [getattr(core, f"result_{port}") for port in result_ports(design)]
     counters = [getattr(core, port.name) for port in counter_ports(design)]
@@ -70,10 +68,8 @@ def _simulator(design: Design, surroundings: Surroundings, seen: list[Ports]) ->
         if design.hardware.clock_enable:
             ctx.set(core.clk_en, now.clk_en)
         if now.sample is not None:
-            gyro, accel, fault = now.sample
-            for port, count in zip(sample_ports, (*gyro, *accel), strict=True):
-                ctx.set(port, count)
-            ctx.set(core.sample_fault, fault)
+            for port, level in zip(inputs, sample_levels(now.sample), strict=True):
+                ctx.set(port, level)
 
     # A process, not a test bench: its settings take effect together, in one step of the design.
     async def drive_and_watch(ctx: Any) -> None:

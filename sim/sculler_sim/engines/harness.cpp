@@ -11,6 +11,8 @@
 //   SCULLER_LIMBS       64-bit words that a component takes in a row
 // and, where the core drops results, has rst_n in place of rst, has clk_en,
 //   SCULLER_DROPS, SCULLER_RESET_LOW, SCULLER_CLOCK_ENABLE
+// and, where it has channels,
+//   SCULLER_CHANNELS    how many
 
 #include <algorithm>
 #include <cerrno>
@@ -20,16 +22,22 @@
 
 namespace {
 
-// A result: major, status, and of each component the limbs, low to high.
+#ifdef SCULLER_CHANNELS
+constexpr int64_t CHANNELS = SCULLER_CHANNELS, TAGS = 1;
+#else
+constexpr int64_t CHANNELS = 1, TAGS = 0;
+#endif
+
+// A result: major, status, of each component the limbs, low to high, and its channel, if there are.
 #ifdef SCULLER_WORDS
 constexpr int64_t COMPONENTS = SCULLER_WORDS / SCULLER_COLUMN - 2;
-constexpr int64_t SHOWN = 2;  // data, last
+constexpr int64_t SHOWN = 2 + TAGS;  // data, last
 #else
 #define SCULLER_ONE(member, bits) +1
 constexpr int64_t COMPONENTS = 0 SCULLER_RESULTS(SCULLER_ONE);
 constexpr int64_t SHOWN = 2 + COMPONENTS * SCULLER_LIMBS;
 #endif
-constexpr int64_t ROW = 2 + COMPONENTS * SCULLER_LIMBS;
+constexpr int64_t ROW = 2 + COMPONENTS * SCULLER_LIMBS + TAGS;
 
 #ifdef SCULLER_VCD
 // Remembers why a waveform could not be written; Verilator's own would end the process.
@@ -61,6 +69,7 @@ struct Core {
     bool pause = false;  // a sample was given up in the clock before
     int64_t words = 0;  // taken of the result under way
     uint64_t result[ROW];
+    int64_t phase[CHANNELS] = {};  // samples taken of the present major interval
     uint64_t clocks = 0;
 
     static VerilatedContext* start(VerilatedContext& context) {
@@ -138,6 +147,9 @@ enum class Taken { whole, part, wrong };
 void read_ports(const Core& core, uint64_t* shown) {
     shown[0] = core.top.result_data;
     shown[1] = core.top.result_last;
+#ifdef SCULLER_CHANNELS
+    shown[2] = core.top.result_channel;
+#endif
 }
 
 // Puts a word of 16 bits where it belongs in the result; a component's last one extends its sign.
@@ -159,6 +171,9 @@ Taken take_result(Core& core) {
     const bool whole = ++core.words == SCULLER_WORDS;
     if (whole != core.top.result_last) return Taken::wrong;
     if (whole) core.words = 0;
+#ifdef SCULLER_CHANNELS
+    core.result[ROW - 1] = core.top.result_channel;
+#endif
     return whole ? Taken::whole : Taken::part;
 }
 
@@ -222,6 +237,26 @@ uint16_t results_dropped(const Core& core) {
 #endif
 }
 
+void drive_tag(Core& core, int32_t tag, bool valid) {
+#ifdef SCULLER_CHANNELS
+    int bits = 1;
+    while (CHANNELS - 1 >> bits) ++bits;
+    drive(core.top.sample_channel, (tag >> 1) ^ (valid ? 0 : -1), bits);
+    core.top.sample_restart = valid ? tag & 1 : 1;
+#else
+    (void)core, (void)tag, (void)valid;
+#endif
+}
+
+// A sample is taken; whether it is the last of a major interval.
+bool count_sample(Core& core, int32_t tag, int64_t interval) {
+    int64_t& phase = core.phase[tag >> 1];
+    if (tag & 1) phase = 0;
+    if (++phase < interval) return false;
+    phase = 0;
+    return true;
+}
+
 void drive_sample(Core& core, const int32_t* counts, uint8_t fault, bool valid) {
     const int64_t flip = valid ? 0 : -1;  // what is not offered shows its complement
 #define DRIVE(member, bits) drive(core.top.member, *counts++ ^ flip, bits);
@@ -242,7 +277,7 @@ struct Levels {
 
 // Counted on by each call; the fields of sculler_sim.run.Progress.
 struct Progress {
-    int64_t clocks, samples, lost, since_reset, results, intervals_told, idle;
+    int64_t clocks, samples, lost, since_reset, results, intervals_told, idle, due;
 };
 
 #define EXPORT extern "C" __attribute__((visibility("default")))
@@ -285,6 +320,7 @@ EXPORT int sculler_destroy(Core* core) {
 
 // Runs up to `clocks` clocks.
 //   counts, faults: samples x 6 and samples
+//   tags: channel * 2 + restart of each, or null where there are no channels
 //   interval: samples in a major interval
 //   rows, capacity: room for that many results taken, ROW words each
 //   handshakes, shown, counters: null, or clocks x (sample_ready, result_valid), clocks x SHOWN and
@@ -293,8 +329,8 @@ EXPORT int sculler_destroy(Core* core) {
 // earlier: after the clock that takes the last sample or in which it is given up; if there are none, as soon as all complete
 // intervals' results have been taken; or when `rows` is full.
 // Returns 0; or, as soon as result_last is wrong, the words taken of that result.
-EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* faults, int64_t samples,
-                        int64_t interval, const Levels* levels, int64_t clocks, uint64_t* rows,
+EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* faults,
+                        const int32_t* tags, int64_t samples, int64_t interval, const Levels* levels, int64_t clocks, uint64_t* rows,
                         int64_t capacity, uint8_t* handshakes, uint64_t* shown,
                         uint16_t* counters, Progress* progress) {
     Progress p = *progress;
@@ -304,7 +340,7 @@ EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* fau
     const auto ended = [&] {
         if (taken == capacity) return true;
         if (samples) return next == samples;
-        return p.intervals_told >= p.since_reset / interval;
+        return p.intervals_told >= p.due;
     };
     for (int64_t clock = 0; clock < clocks && (shown || !ended()); ++clock) {
         const bool valid = next < samples && (levels->offer[clock] || core->held) && !core->pause;
@@ -315,6 +351,7 @@ EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* fau
         drive_clocking(*core, rst, enable);
         if (next < samples && driven != 2 * next + valid) {
             drive_sample(*core, counts + 6 * next, faults[next], valid);
+            drive_tag(*core, tags ? tags[next] : 0, valid);
             driven = 2 * next + valid;
         }
         core->low();
@@ -343,11 +380,13 @@ EXPORT int64_t sculler_run(Core* core, const int32_t* counts, const uint8_t* fau
             ++p.lost;
         }
         if (rst) {
-            p.since_reset = p.intervals_told = 0;
+            p.since_reset = p.intervals_told = p.due = 0;
+            std::fill_n(core->phase, CHANNELS, 0);
             core->words = 0;
         } else {
             if (valid && top.sample_ready) {
                 core->held = false;
+                p.due += count_sample(*core, tags ? tags[next] : 0, interval);
                 ++next;
                 ++p.samples;
                 ++p.since_reset;

@@ -44,30 +44,28 @@ def stream(
         core = stack.enter_context(_Core(design, library, stimulus, progress, target))
         for chunk in chunks:
             if chunk is RESET:
-                while not progress.drained(design):
-                    yield from core.run(_NO_COUNTS, _NO_FAULTS)
+                while not progress.drained:
+                    yield from core.run(_NOTHING)
                 core.reset()
                 continue
-            counts, faults = chunk
             first, done = progress.samples + progress.lost, 0
-            while done < len(counts):
-                yield from core.run(counts[done:], faults[done:])
+            while done < len(chunk.counts):
+                yield from core.run(chunk.rest(done))
                 done = progress.samples + progress.lost - first
-        while not progress.drained(design):
-            yield from core.run(_NO_COUNTS, _NO_FAULTS)
+        while not progress.drained:
+            yield from core.run(_NOTHING)
 
 
-_NO_COUNTS = np.zeros((0, 6), np.int32)
-_NO_FAULTS = np.zeros(0, np.uint8)
+_NOTHING = CheckedChunk(np.zeros((0, 6), np.int32), np.zeros(0, np.uint8), np.zeros(0, np.int32))
 
 
 def trace(
     design: Design, chunks: Iterator[CheckedChunk | None], stimulus: Stimulus, clocks: int
 ) -> PortTrace:
     """Every output port on each of the first clocks (see `sculler_sim.engine.trace`)."""
-    counts, faults = next(chunks, None) or (_NO_COUNTS, _NO_FAULTS)
+    samples = next(chunks, None) or _NOTHING
     with _Core(design, build(design), stimulus, Progress(), None) as core:
-        return core.trace(counts, faults, clocks)
+        return core.trace(samples, clocks)
 
 
 class _Levels(ctypes.Structure):
@@ -100,7 +98,8 @@ class _Core:
         self._timing = timing(design)
         self._stream = design.hardware.handover == "stream"
         self._columns = len(design.columns)
-        self._row = 2 + (self._columns - 2) * limbs(design)
+        self._many = design.channels > 1
+        self._row = 2 + (self._columns - 2) * limbs(design) + self._many
         # numbers that the result ports show in a clock
         self._shown = len(result_ports(design)) if self._stream else self._row
         self._capacity = _CLOCKS // design.samples_per_major + 2
@@ -129,7 +128,7 @@ class _Core:
                 raise OSError(failed, os.strerror(failed))
             _require_room(self._wave)
 
-    def run(self, counts: NDArray[np.int32], faults: NDArray[np.uint8]) -> Iterator[VectorBlock]:
+    def run(self, samples: CheckedChunk) -> Iterator[VectorBlock]:
         """Some clocks with these samples, or none to drain; the results taken in them."""
         progress = self._progress
         if progress.clocks >= self._levels_from + _CLOCKS:
@@ -137,7 +136,7 @@ class _Core:
             self._levels = self._stimulus.levels(progress.clocks, _CLOCKS)
         clock = progress.clocks - self._levels_from
         before = progress.results
-        self._call(counts, faults, _Levels.at(self._levels, clock), _CLOCKS - clock, None, None)
+        self._call(samples, _Levels.at(self._levels, clock), _CLOCKS - clock, None, None)
         progress.check_alive(self._stimulus, self._timing)
         if progress.results > before:
             yield self._block(self._rows[: progress.results - before])
@@ -148,26 +147,26 @@ class _Core:
         levels = _Levels.at(Levels(low, low, high, low, high), 0)
         handshakes, shown = np.empty((1, 2), np.uint8), np.empty((1, self._shown), np.uint64)
         counters = np.empty((1, 2), np.uint16)
-        self._call(_NO_COUNTS, _NO_FAULTS, levels, 1, handshakes, shown, counters)
+        self._call(_NOTHING, levels, 1, handshakes, shown, counters)
 
-    def trace(self, counts: NDArray[np.int32], faults: NDArray[np.uint8], clocks: int) -> PortTrace:
+    def trace(self, samples: CheckedChunk, clocks: int) -> PortTrace:
         """All ports on exactly so many clocks."""
         levels = self._stimulus.levels(0, clocks)
         handshakes = np.empty((clocks, 2), np.uint8)
         counters = np.empty((clocks, 2), np.uint16)
         ports = result_ports(self._design)
         shown = np.empty((clocks, self._shown), np.uint64)
-        self._call(counts, faults, _Levels.at(levels, 0), clocks, handshakes, shown, counters)
+        self._call(samples, _Levels.at(levels, 0), clocks, handshakes, shown, counters)
         result = np.empty((clocks, len(ports)), object)
-        result[:, :2] = shown[:, :2]
+        head = len(ports) if self._stream else 2
+        result[:, :head] = shown[:, :head]
         if not self._stream:
             result[:, 2:] = self._components(shown)
         return PortTrace(handshakes[:, 0], handshakes[:, 1], result, counters, ports)
 
     def _call(
         self,
-        counts: NDArray[np.int32],
-        faults: NDArray[np.uint8],
+        samples: CheckedChunk,
         levels: _Levels,
         clocks: int,
         handshakes: NDArray[np.uint8] | None,
@@ -178,9 +177,10 @@ class _Core:
         counters = _Counters(*(getattr(self._progress, name) for name in names))
         words = self._library.sculler_run(
             self._handle,
-            _address(counts),
-            _address(faults),
-            ctypes.c_int64(len(counts)),
+            _address(samples.counts),
+            _address(samples.faults),
+            _address(samples.tags if len(samples.tags) else None),
+            ctypes.c_int64(len(samples.counts)),
             ctypes.c_int64(self._design.samples_per_major),
             ctypes.byref(levels),
             ctypes.c_int64(clocks),
@@ -198,7 +198,9 @@ class _Core:
 
     def _block(self, rows: NDArray[np.uint64]) -> VectorBlock:
         major, status = rows[:, :2].astype(np.int64).T
-        return VectorBlock(major, status, self._components(rows))
+        channels = rows[:, -1].astype(np.int64) if self._many else None
+        components = self._components(rows[:, : self._row - self._many])
+        return VectorBlock(major, status, components, channels=channels)
 
     def _components(self, rows: NDArray[np.uint64]) -> Integers:
         """(R, components) integers from two's-complement limbs, lowest first."""

@@ -203,7 +203,7 @@ def generator_sources() -> list[Path]:
 
 def _harness(design: Design, wave: _Wave | None) -> str:
     """The harness, with this design's ports before it."""
-    *counts, _ = sample_ports(design)  # without the fault mark
+    counts = sample_ports(design)[:6]  # without the fault mark
     lines = [f"#define SCULLER_SAMPLES(X) {_each(counts)}"]
     if wave:
         lines += [f'#include "{wave.header}"', f"#define SCULLER_TRACE {wave.writer}"]
@@ -223,6 +223,8 @@ def _harness(design: Design, wave: _Wave | None) -> str:
         "RESET_LOW": design.hardware.reset_active == "low",
         "CLOCK_ENABLE": design.hardware.clock_enable,
     }
+    if design.channels > 1:
+        lines += [f"#define SCULLER_CHANNELS {design.channels}"]
     lines += [f"#define SCULLER_{name}" for name, wanted in flags.items() if wanted]
     code = (
         resources.files("sculler_sim")

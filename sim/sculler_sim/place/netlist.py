@@ -22,11 +22,11 @@ from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
 from sculler_model.golden import from_words
 from sculler_sim import processes
+from sculler_sim.bench_text import clocking_connections, packed_hex
 from sculler_sim.engines import cache
 from sculler_sim.engines.verilator_build import Tools
 from sculler_sim.place.devices import Family
 from sculler_sim.place.tools import YOSYS
-from sculler_sim.testbench import clocking_connections, packed_hex
 
 _MODELS: dict[str, tuple[str, ...]] = {
     "ecp5": ("ecp5/common_sim.vh", "ecp5/ccu2c_sim.vh"),

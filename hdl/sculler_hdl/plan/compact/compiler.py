@@ -62,6 +62,8 @@ class Compiler:
                 blocks += self._higher.within_products(first=k == active[0])
             else:
                 blocks += self._within(restart)
+        if k == table.samples and active and k not in active and self.design.channels > 1:
+            blocks += self._shown_again()
         if k == table.samples:
             weights = list(enumerate(table.weights))
             blocks += self.weighted_sums(self.map.theta, "s", weights)
@@ -86,6 +88,12 @@ class Compiler:
         s, r = self.map.samples("s", 0), self.map.samples("r", 0)
         yield from self.crosses("coning_within", restart, [(self.map.A, s)])
         yield from self.crosses("sculling_within", restart, [(self.map.A, r), (self.map.B, s)])
+
+    def _shown_again(self) -> Iterator[Block]:
+        """The products within as they are, for the result: another channel's stood there since."""
+        for vector in ("coning_within", "sculling_within"):
+            for state in self.map.accumulator(vector):
+                yield self.accumulated(state, [], When.ALWAYS)
 
     def _position(self, k: int) -> Iterator[Block]:
         """High-resolution position as `position` has it; alpha and nu take each sample at once."""

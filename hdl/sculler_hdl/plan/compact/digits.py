@@ -62,7 +62,8 @@ def memory_sizes(design: Design) -> MemorySizes:
     """The sizes that a design asks for.
 
     While a phase's program runs, which reaches `history` back, up to n newer samples come in.  One
-    result is shown, one filled; where results are dropped one waits.
+    result is shown, one filled; where results are dropped, or are of many channels, one waits.
+    Samples are those of a channel.
     """
     digits = digit_count(max(design.words.gyro.bits, design.words.accel.bits))
     least = design.table.history + 1 + design.algorithm.samples
@@ -70,5 +71,5 @@ def memory_sizes(design: Design) -> MemorySizes:
         digits_per_count=digits,
         sample_words=2 * len(AXES) * digits,
         kept_samples=1 << (least - 1).bit_length(),
-        result_banks=3 if design.drops_results else 2,
+        result_banks=3 if design.drops_results or design.channels > 1 else 2,
     )

@@ -31,9 +31,9 @@ def figures(program: Program, delays: Pipeline, code: Microcode, timing: Timing)
         "clocks_per_minor": clocks_per_minor(design, timing),
         "program_words": len(code.words),
         "program_word_bits": sum((code.operands | code.actions).values()),
-        "left_words": len(program.left.names),
+        "left_words": code.banks.words,
         "right_words": len(program.right.names),
-        "sample_words": sizes.kept_samples * sizes.sample_words,
+        "sample_words": design.channels * sizes.kept_samples * sizes.sample_words,
         "result_words": sizes.result_banks * words_per_result(design),
         "accumulator_bits": program.accumulator.bits,
     }
@@ -49,6 +49,7 @@ def listing(program: Program, delays: Pipeline, code: Microcode, timing: Timing)
         *_figures(figures(program, delays, code, timing), timing),
         "",
         *_memories(program),
+        *_channels(code),
         "",
         *_startup(program, code, timing),
         *_phases(program, code, timing),
@@ -94,6 +95,19 @@ def _memories(program: Program) -> Iterator[str]:
     yield from _map("Left memory", program.left)
     yield ""
     yield from _map("Right memory", program.right)
+
+
+def _channels(code: Microcode) -> Iterator[str]:
+    banks = code.banks
+    if not banks.own:
+        return
+    yield ""
+    where = f"bank {banks.common_bank}" if banks.common_bank else "bank 0 after its own ones"
+    yield (
+        f"{banks.channels} channels.  Of each a sample memory, and a bank of {banks.bank} words of"
+        f" the left memory,\nof which words 0 to {banks.own - 1} are its own; the others stand in"
+        f" {where} for all channels."
+    )
 
 
 def _startup(program: Program, code: Microcode, timing: Timing) -> Iterator[str]:

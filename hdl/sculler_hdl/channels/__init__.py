@@ -1,0 +1,1 @@
+"""The compact core with many channels: what it keeps of each stands in block memory."""

@@ -1,0 +1,173 @@
+"""The Verilog of a core with many channels: each as a core of its own, bit for bit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bench_files import bench_of, shell
+from hdl_channels import drawn, many
+from sculler.main import main
+from sculler_hdl import generate
+from sculler_model.design import Design
+from sculler_model.errors import InputError
+from sculler_model.fast import FastChannels, VectorBlock
+from sculler_sim.engine import simulate, trace
+from sculler_sim.run import RESET
+from sculler_sim.stimulus import Stimulus
+from strategies import DESIGNS, with_hardware
+
+deep = pytest.mark.deep
+CASES: list[Any] = [
+    pytest.param("taylor_3p3", {"channels": 5}, 900, id="history"),
+    *(
+        pytest.param(name, hardware, samples, marks=deep, id=name)
+        for name, hardware, samples in (
+            ("smallest", {"channels": 3, "reset_active": "low"}, 4000),
+            ("dense_odd_3", {"channels": 4, "target": "ice40"}, 6000),
+            ("early_taps_2", {"channels": 3}, 4000),
+            ("both_taps_2", {"channels": 3, "target": "ice40"}, 4000),
+            ("late_sum_2", {"channels": 2, "initial": False}, 6000),
+            ("rate_1p0", {"channels": 6, "multipliers": 0, "target": "ice40"}, 1500),
+            ("stim300_4x5", {"channels": 17, "target": "ecp5"}, 6000),
+            ("taylor_3p1", {"channels": 4, "target": "ecp5"}, 4000),
+            ("wide_5p0", {"channels": 2, "target": "nexus"}, 3000),
+            ("taylor_8p8", {"channels": 3, "target": "gowin"}, 3000),
+            ("dense_uncompressed_4", {"channels": 256}, 12000),
+        )
+    ),
+]
+
+
+def alone(design: Design, channel: int, samples: tuple[np.ndarray, ...]) -> list[tuple[int, ...]]:
+    """Rows of a core of one channel, in Verilator, that takes this channel's samples alone."""
+    counts, channels, faults, restarts = samples
+    mine = np.flatnonzero(channels == channel)
+    chunks: list[Any] = []
+    for number, part in enumerate(np.split(mine, np.flatnonzero(restarts[mine]))):
+        chunks += [RESET] * (number > 0) + [(counts[part], faults[part])]
+    hardware = design.as_json()["hardware"]
+    single = with_hardware(design, **{**hardware, "channels": 1})
+    return [row for block in simulate(single, chunks) for row in block.rows()]
+
+
+@pytest.mark.parametrize(("name", "hardware", "count"), CASES)
+def test_channels_are_cores_of_their_own(name: str, hardware: dict[str, Any], count: int):
+    """Random interleaving, restarts and stalls; three channels at most are run as single cores."""
+    design = many(name, **hardware)
+    samples = drawn(design, count, seed=count)
+    counts, channels, faults, restarts = samples
+    half = count // 2
+    chunks: list[Any] = [
+        (counts[part], channels[part], faults[part], restarts[part])
+        for part in (slice(half), slice(half, None))
+    ]
+    run = simulate(design, chunks, stimulus=Stimulus.stalls(count))
+    found = VectorBlock.concatenate(list(run))
+    assert found.channels is not None
+    expected = FastChannels(design).feed(counts, channels, faults, restarts)
+    assert found.first_difference(expected) is None
+    assert len(found) == len(expected) > 20
+    assert found.channels.tolist() == expected.channels.tolist()
+    for channel in range(min(3, design.channels)):
+        mine = found[found.channels == channel]
+        assert list(mine.rows()) == alone(design, channel, samples)
+
+
+@pytest.mark.parametrize(("name", "hardware", "count"), CASES)
+def test_every_port_on_every_clock(name: str, hardware: dict[str, Any], count: int):
+    design = many(name, **hardware)
+    counts, channels, faults, restarts = drawn(design, count, seed=1)
+    clocks = 20 * count
+    stimulus = Stimulus.stalls(5).with_resets(clocks // 3, clocks // 3 + 700).giving_up()
+    verilog, model = (
+        trace(design, counts, faults, stimulus, clocks, engine, channels, restarts)
+        for engine in ("verilator", "model")
+    )
+    assert verilog.first_difference(model) is None
+    assert model.sample_ready.any()
+
+
+def test_what_does_not_fit_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    design = many("smallest", channels=3)
+    rows = np.zeros((4, 6), int)
+    for chunk, told in (
+        ((rows, None), "samples from 0 on: no channels, but hardware.channels = 3"),
+        ((rows, np.full(4, 3), None, None), "sample 0: channel 3 is not there, give 0 to 2"),
+        ((rows, np.zeros(3, int), None, None), "samples from 0 on: give 4 channels and restarts"),
+    ):
+        with pytest.raises(InputError) as raised:
+            list(simulate(design, [chunk], engine="model"))
+        assert str(raised.value) == told
+    run = simulate(DESIGNS["smallest"], [(rows, np.zeros(4, int), None, None)], engine="model")
+    with pytest.raises(InputError, match=r"channels, but hardware\.channels = 1"):
+        list(run)
+
+
+def test_the_verbs_take_a_log_through_the_core(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    Path("two.toml").write_text(
+        'name = "two"\npreset = "stim300"\n[algorithm]\nsamples = 2\nminors = 1\n'
+        '[hardware]\ncore = "compact"\nchannels = 2\n'
+    )
+    rng = np.random.default_rng(4)
+    rows = np.column_stack([rng.integers(0, 2, 60), rng.integers(-(2**23), 2**23, (60, 6))])
+    header = "channel,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z\n"
+    text = "".join(",".join(map(str, row)) + "\n" for row in rows.tolist())
+    Path("log.csv").write_text(header + text)
+    assert main("model two.toml log.csv -o m.csv".split()) == 0
+    assert main("simulate two.toml log.csv -o s.csv --engine amaranth --stall 2".split()) == 0
+    assert Path("m.csv").read_bytes() == Path("s.csv").read_bytes()
+    for option in ("--package", "--data-sheet"):
+        assert main(["generate", "two.toml", "-o", "g", option]) == 2
+
+
+def test_the_manifest_tells_of_channels():
+    manifest = generate(many("smallest", channels=3)).manifest.as_json()
+    ports = {port["name"]: port["width"] for port in manifest["ports"]}
+    assert (ports["sample_channel"], ports["sample_restart"], ports["result_channel"]) == (2, 1, 2)
+    assert manifest["timing"]["results"] == 2
+    assert manifest["resources"]["sample_words"] == 3 * 4 * 6
+
+
+BENCHES: list[Any] = [
+    pytest.param("early_taps_2", {"channels": 2, "target": "ice40"}, id="two"),
+    *(
+        pytest.param(name, hardware, marks=deep, id=name)
+        for name, hardware in (
+            ("smallest", {"channels": 3, "target": "ice40", "initial": False}),
+            ("taylor_3p3", {"channels": 5, "target": "ecp5"}),
+            ("stim300_4x5", {"channels": 100}),
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "hardware"), BENCHES)
+def test_the_bench_passes_in_icarus_without_a_warning(
+    icarus: None, tmp_path: Path, name: str, hardware: dict[str, Any]
+):
+    design = many(name, **hardware)
+    done = shell(bench_of(design, tmp_path)["icarus"], tmp_path)
+    assert done.stderr == ""
+    assert done.stdout.startswith("PASS: ")
+    assert done.returncode == 0
+
+
+@deep
+@pytest.mark.parametrize("column", ["result_channel", "result_data", "sample_ready"])
+def test_the_bench_sees_a_core_that_is_wrong(icarus: None, tmp_path: Path, column: str):
+    """A tag that is one bit off, a word, and a core that is ready all the time."""
+    design = many("early_taps_2", channels=2)
+    command = bench_of(design, tmp_path)["icarus"]
+    core = tmp_path / f"{design.name}.v"
+    text = core.read_text()
+    wrong = text.replace(f"assign {column} = ", f"assign {column} = 1'b1 ^ ", 1)
+    assert wrong != text
+    core.write_text(wrong)
+    done = shell(command, tmp_path)
+    assert f"{column}: " in done.stdout
+    assert done.stdout.startswith("FAIL")
