@@ -150,7 +150,10 @@ def read_log(path: str | Path, design: Design | None = None) -> Log:
     chunks = list(files.read_log(path, design))
     counts, *others = zip(*chunks, strict=True)
     joined = [None if part[0] is None else np.concatenate(part) for part in others]
-    return Log(np.concatenate(counts), *joined)
+    own, of_channels = joined[:3], joined[3:]
+    if any(column is not None and column.any() for column in of_channels):
+        raise InputError(f"{path}: it has samples of several channels, which `Log` cannot hold")
+    return Log(np.concatenate(counts), *own)
 
 
 def write_log(path: str | Path, log: LogLike) -> None:
