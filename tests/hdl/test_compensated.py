@@ -48,6 +48,7 @@ def design(
     minors: int = 2,
     family: str = "frequency-taylor",
     hardware: dict[str, Any] | None = None,
+    algorithm: dict[str, Any] | None = None,
     **compensation: Any,
 ) -> Design:
     sensor = {"kind": "increment", "sample_rate_hz": 1000.0}
@@ -61,7 +62,8 @@ def design(
                 "samples": samples,
                 "history": int(samples == 1),
                 "minors": minors,
-            },
+            }
+            | (algorithm or {}),
             "hardware": {"core": core} | (hardware or {}),
             "compensation": compensation,
         }
@@ -129,6 +131,23 @@ CASES: dict[str, tuple[dict[str, Any], int]] = {
     "arms, slow memory": (
         {"core": "compact", "bits": (16, 24), "hardware": {"target": "ice40"}, **ARMS},
         4000,
+    ),
+    "third order": (
+        {"core": "compact", "bits": (24, 16), "algorithm": {"order": 3}, "delay_samples": 0.4},
+        15000,
+    ),
+    "third order, pipelined": (
+        {"core": "pipelined", "bits": (12, 12), "algorithm": {"order": 3}, **ERRORS},
+        1500,
+    ),
+    "position": (
+        {"core": "compact", "bits": (24, 16), "algorithm": {"position": "high-resolution"}}
+        | ERRORS,
+        9000,
+    ),
+    "position, pipelined": (
+        {"core": "pipelined", "bits": (12, 12), "algorithm": {"position": "high-resolution"}},
+        1500,
     ),
     "widest": (
         {"core": "compact", "bits": (32, 8), "delay_samples": -7.5, "taps": 12, **ERRORS},

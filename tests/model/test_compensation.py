@@ -48,6 +48,9 @@ ERRORS: dict[str, Any] = {
 }
 
 
+ARMS = [[0.1, 0.02, -0.03], [0.05, -0.2, 0.01], [0.0, 0.03, 0.15]]
+
+
 def design(
     compensation: dict[str, Any] | None, kind: str = "increment", bits: int = 24, **more: Any
 ) -> Design:
@@ -168,6 +171,7 @@ def golden_block(one: Design, counts: NDArray[Any], faults: NDArray[Any]) -> Vec
     return VectorBlock.from_results(run, one)
 
 
+ORDERS = {"third order": {"order": 3}, "position": {"position": "high-resolution"}}
 CASES = {
     "matrix": ({**ERRORS}, "increment", 24),
     "late": ({**ERRORS, "delay_samples": 0.4, "taps": 4}, "increment", 16),
@@ -198,6 +202,17 @@ def test_fast_twin_is_the_golden_model(case: tuple[dict[str, Any], str, int]) ->
     with pytest.raises(InputError, match="does not fit"):
         model.feed_to(lambda *_: None, np.vstack([counts, [[1 << 40] * 6]]), None, 5)
     assert VectorBlock.first_difference(model.feed(counts, faults), want) is None
+
+
+@pytest.mark.parametrize("more", ORDERS.values(), ids=ORDERS)
+def test_what_comes_behind_follows(more: dict[str, Any]) -> None:
+    """Third order and high-resolution position of samples of 58 bits, golden and fast."""
+    algorithm = {"family": "frequency-taylor", "samples": 4, "minors": 2, **more}
+    one = design({"arms_m": ARMS, "accel_denominator": 1 << 30}, algorithm=algorithm)
+    assert one.inner.sensor.accel.bits == 58
+    counts = random_counts(np.random.default_rng(2), one, 64)
+    want = golden_block(one, counts, np.zeros(64, int))
+    assert FastModel(one).feed(counts).first_difference(want) is None
 
 
 def test_status_tells_of_every_sample_that_is_used() -> None:
@@ -279,9 +294,6 @@ def test_what_a_sensor_does_wrong_is_gone_at_the_host(kind: str) -> None:
     assert forces < unit * force * 3
     assert np.abs(left.phi - want.phi)[inner].max() / T > 100 * rates
     assert np.abs(left.dv_sf - want.dv_sf)[inner].max() / T > 100 * forces
-
-
-ARMS = [[0.1, 0.02, -0.03], [0.05, -0.2, 0.01], [0.0, 0.03, 0.15]]
 
 
 class TestSizeEffect:

@@ -131,8 +131,6 @@ class Design(Part):
         if compensation is None or sensor is None or algorithm is None or hardware is None:
             return compensation
         for key, value in (
-            ("algorithm.order", algorithm.order),
-            ("algorithm.position", algorithm.position),
             ("hardware.bus", hardware.bus),
             ("hardware.front", hardware.front),
             ("hardware.hardening", hardware.hardening),
