@@ -29,7 +29,6 @@ from pathlib import Path
 
 from sculler_hdl import Port, counter_ports, result_ports, sample_ports
 from sculler_model.design import STATUS_LOST, Design
-from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
 from sculler_model.golden import (
     COUNTER_MAX,
@@ -41,6 +40,7 @@ from sculler_model.golden import (
     words_per_result,
 )
 from sculler_model.outputs import make_folder, replacing
+from sculler_sim.bench_compensation import compensation_texts
 from sculler_sim.bench_goals import goals_of, inside, numbering
 from sculler_sim.bench_runs import (
     LEAST,
@@ -90,10 +90,10 @@ def write_testbench(
         The files written.
 
     Raises:
-        InputError: the folder cannot be made or written to, or the design has compensation.
+        InputError: the folder cannot be made or written to.
     """
-    if design.compensation is not None:
-        raise InputError("compensation: the test bench is that of a core without, leave it out")
+    if design.compensation is not None:  # its goals and resets are those of a core without
+        least = least._replace(resets=0)
     if isinstance(timing, ChannelTiming):
         files = channel_bench(design, timing, cells)
     else:
@@ -123,6 +123,7 @@ def testbench(
             for i, word in enumerate(to_words(design, row), start=1)
         ]
     taken = sum(run.samples for run in runs)
+    clocking = _clocking(design)
     values = {
         "name": design.name,
         "sources": " ".join(f"{name}.v" for name in (design.name, *cells)),
@@ -136,7 +137,8 @@ def testbench(
         "numbering": numbering(design),
         **_contract(design, timing),
         **_port_texts(design),
-        **_clocking(design),
+        **clocking,
+        **compensation_texts(timing, clocking),
     }
     # the counters of a hardened core are several, which agree
     alone = "`define SCULLER_PORTS_ONLY\n" if design.hardware.hardening else ""
@@ -152,7 +154,7 @@ def testbench(
 
 def _timeout(design: Design, timing: Timing, runs: Sequence[Run], words: int) -> int:
     """Clocks that the runs take at most, stalls and all."""
-    slowest_sample = timing.spacing + max(timing.work, default=0) + 16
+    slowest_sample = timing.spacing + max(timing.work, default=0) + timing.before + 16
     slowest_word = timing.latency + timing.handover_spacing + 216
     clocks = 1000 + slowest_word * words
     for run in runs:

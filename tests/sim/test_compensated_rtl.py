@@ -5,16 +5,19 @@ Amaranth's simulator has every port on every clock in `hdl/test_compensated.py`.
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from rtl import anywhere_in_four_majors, check_files, check_resets, check_trace
-from sculler_hdl import properties, timing
+from sculler_hdl import generate, properties, timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_sim.testbench import write_testbench
+from sculler_sim.testbench import Least, write_testbench
 from strategies import with_hardware
 
 pytestmark = pytest.mark.usefixtures("verilator")
@@ -71,9 +74,39 @@ def test_results_and_ports(design: Design, tmp_path: Path) -> None:
     check_resets(design, tmp_path, 10 * design.samples_per_major, anywhere_in_four_majors(design))
 
 
-def test_what_is_not_built_is_told(tmp_path: Path) -> None:
-    design = FORMS["compact"]
-    with pytest.raises(InputError, match="compensation: the test bench is that of a core without"):
-        write_testbench(design, tmp_path, timing(design))
+@pytest.mark.deep
+@EACH
+def test_bench_in_icarus(design: Design, tmp_path: Path) -> None:
+    """The bench that is handed out passes, and fails where it is told of a slower compensation."""
+    made = generate(design)
+    for name, text in {f"{design.name}.v": made.verilog, **cell_texts(made.cells)}.items():
+        (tmp_path / name).write_text(text)
+    clocks = timing(design)
+    assert clocks.compensation is not None
+    least = Least((1, 24), (2, 48), 4, 0)
+    for more, said in ((0, "PASS"), (500, "FAIL")):  # a slow engine hides a few clocks
+        told = replace(clocks, compensation=clocks.compensation + more)
+        write_testbench(design, tmp_path, told, made.cells, least)
+        assert in_icarus(tmp_path, design.name, made.cells).splitlines()[-1].startswith(said)
+
+
+def cell_texts(cells: dict[str, str]) -> dict[str, str]:
+    return {f"{name}.v": text for name, text in cells.items()}
+
+
+def in_icarus(folder: Path, name: str, cells: dict[str, str]) -> str:
+    """What the bench prints."""
+    if shutil.which("iverilog") is None:
+        pytest.skip("no iverilog")
+    sources = [f"{each}.v" for each in (f"{name}_tb", name, *cells)]
+    compiled = ["iverilog", "-g2001", "-o", "bench", *sources]
+    subprocess.run(compiled, cwd=folder, check=True, capture_output=True)
+    run = subprocess.run(
+        ["vvp", "-n", "bench"], cwd=folder, capture_output=True, text=True, check=False
+    )
+    return run.stdout.strip()
+
+
+def test_properties_are_those_of_a_core_without() -> None:
     with pytest.raises(InputError, match="compensation: the properties are those of a core"):
-        properties(design)
+        properties(FORMS["compact"])

@@ -59,15 +59,8 @@ class Outcome:
             f" {algorithm.samples} samples; {manifest.latency_clocks} from a major"
             " interval's last sample to its result",
             "widths": f"{', '.join(widths)} bits",
-            **_without_bench(design),
             "wrote": f"{self.folder}/: {', '.join(file.name for file in self.files)}",
         }
-
-
-def _without_bench(design: Design) -> dict[str, str]:
-    if design.compensation is None:
-        return {}
-    return {"test bench": "none, and no properties: they know no compensation; `simulate` does"}
 
 
 def texts_of(generated: Generated) -> dict[str, str]:
@@ -172,8 +165,7 @@ def write_hardware(
             "--bus-clock-mhz: the design's bus has no clock of its own, leave the option out or"
             ' give hardware.bus.clock = "separate"'
         )
-    plain = design.compensation is None
-    if not plain and (packaged or data_sheet):
+    if design.compensation is not None and (packaged or data_sheet):
         option = "--package" if packaged else "--data-sheet"
         raise InputError(f"{option}: is not built for a design with compensation, leave it out")
     if design.channels > 1 and (packaged or data_sheet):
@@ -193,8 +185,7 @@ def write_hardware(
     with gathering(folder) as gathered:
         for name, text in texts.items():
             (gathered / name).write_text(text, encoding="utf-8", newline="\n")
-        # the bench knows the contract of a core without compensation
-        bench = write_testbench(design, gathered, timing(design), generated.cells) if plain else ()
+        bench = write_testbench(design, gathered, timing(design), generated.cells)
         names = [*texts, *(file.name for file in bench)]
     return Outcome(generated.manifest, folder, tuple(folder / name for name in names))
 
