@@ -18,12 +18,21 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import FastModel
 from sculler_model.golden import to_words
+from studies.host_c.stack import CallGraph
 from studies.host_c.targets import FLAGS, LINKING, Target
 
 DESIGN = Design.preset("stim300")
 NAVIGATOR = ("sculler_nav", "sculler_increments", f"{DESIGN.name}_host")
 TELEMETRY = ("sculler_telemetry",)
 ALIGNMENT = ("sculler_align", "sculler_noise", "sculler_fine")
+UPDATE = (
+    *(f"{DESIGN.name}_host_{part}" for part in ("take_word", "from_words", "increments")),
+    *("sculler_nav_begin", "sculler_nav_update", "sculler_nav_state", "sculler_coast"),
+    "sculler_telemetry_write",
+)
+ALIGNING = tuple(f"sculler_align_{part}" for part in ("begin", "take", "finish", "refine"))
+"""Functions that a flight calls, and an alignment."""
+
 STAGES = ("decoding and increments", "navigator", "state and frame")
 RESULTS, FEW, MANY = 16, 2, 6  # results that come in turn; updates of two programs
 
@@ -40,6 +49,7 @@ class Measured:
             hosted target without these.
         data: bytes of memory of a navigator (`sculler_nav`), and of a window of alignment.
         stack: bytes that an update with state and frame takes.
+        bound: bytes of stack at most, by the call graph, without libraries: flight, alignment.
         instructions: of an update, each of `STAGES`.
     """
 
@@ -49,6 +59,7 @@ class Measured:
     whole: int
     data: tuple[int, int]
     stack: int
+    bound: tuple[int, int]
     instructions: tuple[float, ...]
 
     @property
@@ -78,10 +89,12 @@ def measure(target: Target, advance: Callable[[int], None] = lambda steps: None)
                 *target.flags,
                 *target.precision,
                 *target.language,
+                "-fcallgraph-info=su",
                 "-c",
                 f"{module}.c",
             )
         sizes = {module: _text(folder, target, f"{module}.o") for module in modules}
+        graph = CallGraph((folder / f"{module}.ci").read_text("utf-8") for module in modules)
         advance(1)
         counts, stack, linked = [], 0, 0
         for stage in range(len(STAGES)):
@@ -98,6 +111,7 @@ def measure(target: Target, advance: Callable[[int], None] = lambda steps: None)
             sum(sizes[m] for m in (*NAVIGATOR, *TELEMETRY)) if target.hosted else linked,
             _data(folder, target),
             stack,
+            (graph.deepest(UPDATE), graph.deepest(ALIGNING)),
             tuple(float(count) for count in np.diff([0.0, *counts])),
         )
 

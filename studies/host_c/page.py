@@ -87,7 +87,8 @@ def memory(found: Sequence[Measured]) -> Iterator[str]:
     yield "## Memory, bytes"
     headings = (
         *("processor", "navigator", "telemetry", "alignment"),
-        *("flight program with libraries", "`sculler_nav`", "`sculler_align`", "stack"),
+        *("flight program with libraries", "`sculler_nav`", "`sculler_align`"),
+        *("stack touched", "at most: flight", "alignment"),
     )
     rows = [
         (
@@ -96,19 +97,23 @@ def memory(found: Sequence[Measured]) -> Iterator[str]:
             f"**{one.whole:,}**" + " (without)" * one.target.hosted,
             *(f"{size:,}" for size in one.data),
             f"{one.stack:,}",
+            *(f"{size:,}" for size in one.bound),
         )
         for one in found
     ]
-    yield from documents.table("lrrrrrrr", headings, rows)
+    yield from documents.table("lrrrrrrrrr", headings, rows)
     yield ""
     yield documents.paragraph(
         "Code is instructions and constants: of the navigator with increments and decoding, of"
         " telemetry and alignment each by itself, and of the whole flight program (navigator and"
         " telemetry) with what it takes of the mathematical library and the compiler's, unused"
         " functions left out; without the libraries where they are an operating system's. Data is"
-        " one navigator, and one window of alignment, which is free again after it. The stack is"
-        " what an update with state and frame touched, measured by a pattern; alignment takes some"
-        " 6 KiB of it once."
+        " one navigator, and one window of alignment, which is free again after it. The stack"
+        " touched is that of an update with state and frame, measured by a pattern, libraries and"
+        " all. *At most* is the deepest path of the compiler's call graph (`-fcallgraph-info=su`),"
+        " whatever the data: of any function that a flight calls, and of the alignment; without the"
+        " frames of the mathematical and the compiler's libraries. Nothing recurses, no frame's"
+        " size depends on data, nothing is called by a pointer."
     )
 
 

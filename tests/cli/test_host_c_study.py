@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 
 from sculler.main import run_command
+from sculler_model.errors import InputError
 from studies.host_c.command import PAGE, command
 from studies.host_c.measure import measure
 from studies.host_c.page import GOAL_BYTES, GOAL_INSTRUCTIONS, document
+from studies.host_c.stack import CallGraph
 from studies.host_c.targets import TARGETS
 
 ROOT = Path(__file__).parents[2]
@@ -26,6 +28,8 @@ def test_a_processor_is_measured(key: str) -> None:
     found = measure(one)
     assert all(count > 100 for count in found.instructions)
     assert 300 < found.data[0] < 600 < found.stack < 4096
+    assert 300 < found.bound[0] < found.stack + 2048
+    assert 1024 < found.bound[1] < 8192
     assert sum(found.code[:2]) < found.whole + 4096
     if one.double:
         assert found.update <= GOAL_INSTRUCTIONS
@@ -52,3 +56,27 @@ def test_what_cannot_be_measured_is_said(
     assert "arm-none-eabi-gcc" in said
     assert run_command(command, ["--only", "z80"], "study") == 2
     assert "--only z80: not known, give one of m7, m4f" in capsys.readouterr().err
+
+
+def test_the_deepest_path_of_a_call_graph() -> None:
+    """By hand: a calls b and c, b calls d; what is outside counts nothing."""
+
+    def node(name: str, size: int, kind: str = "static") -> str:
+        return f'node: {{ title: "{name}" label: "{name}\\nx.c:1:1\\n{size} bytes ({kind})" }}\n'
+
+    def edge(*names: str) -> str:
+        return 'edge: {{ sourcename: "{}" targetname: "{}" label: "x.c:2:2" }}\n'.format(*names)
+
+    first = node("a", 100) + node("x.c:b", 20) + edge("a", "x.c:b") + edge("a", "c")
+    second = node("c", 50) + node("d", 40) + edge("x.c:b", "d") + edge("d", "__muldf3")
+    graph = CallGraph([first, second])
+    assert graph.deepest(["a"]) == 100 + 20 + 40
+    assert graph.deepest(["c", "d"]) == 50
+    with pytest.raises(InputError, match="e is in no call graph"):
+        graph.deepest(["e"])
+    with pytest.raises(InputError, match="calls itself"):
+        CallGraph([first, second, edge("d", "a")]).deepest(["c", "a"])
+    with pytest.raises(InputError, match="dynamic"):
+        CallGraph([node("a", 8, "dynamic,bounded")])
+    with pytest.raises(InputError, match="by a pointer"):
+        CallGraph([edge("a", "__indirect_call")])
