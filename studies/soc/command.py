@@ -9,6 +9,7 @@ import click
 from sculler import terminal
 from studies import documents
 from studies.soc.fly import measure
+from studies.soc.more import further
 from studies.soc.page import document, draw, flight_table
 from studies.soc.place import DEVICES, place
 
@@ -33,6 +34,8 @@ def command(folder: Path, only_flight: bool) -> None:
     if only_flight:
         terminal.report({}, False, "\n".join(flight_table(flight)))
         return
+    with terminal.progress("flying other chips", None):
+        more = further()
 
     def compute(images: Path) -> tuple[str, list[Path]]:
         with terminal.progress("placing", len(DEVICES)) as advance:
@@ -40,6 +43,6 @@ def command(folder: Path, only_flight: bool) -> None:
             for placed in place(flight.chip):
                 found.append(placed)
                 advance(1)
-        return document(flight, found), [draw(images, flight)]
+        return document(flight, more, found), [draw(images, flight)]
 
     documents.write_document(folder / PAGE, compute)

@@ -10,26 +10,15 @@ import numpy as np
 
 from sculler.formats import comparison
 from sculler.library import motions
-from sculler.runs.soc import Chip, Flown, figures, flown, make_chip
+from sculler.runs.chip import Chip, make_chip
+from sculler.runs.chip_flight import Flown, figures, flown
 from sculler.soc import SocPlan, fly_log
-from sculler_model.design import Design
 from sculler_model.fast import FastModel
 from sculler_model.front import FrontModel, FrontSample
 from sculler_model.motion import Motion
 from sculler_model.navigation import NavHistory
+from studies.soc.designs import DESIGN
 
-DESIGN = Design.parse(
-    {
-        "preset": "stim300",
-        "name": "chip",
-        "hardware": {
-            "core": "compact",
-            "target": "ecp5",
-            "bus": {"result": "wishbone"},
-            "front": {"sensor": "stim300", "clock_hz": 40e6},
-        },
-    }
-)
 MOTION = "demo"
 SECONDS = 1.2
 DAMAGED_SECONDS = 0.2
@@ -98,11 +87,11 @@ def measure() -> Measured:
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     found = flown(chip, counts, none)
     spent = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-    seconds = found.flight.clocks / figures(DESIGN, found)["clock_hz"]
+    seconds = found.flight.clocks / figures(chip, found)["clock_hz"]
     return Measured(
         chip,
         found,
-        figures(DESIGN, found),
+        figures(chip, found),
         spent / seconds,
         motion.state(found.record.states["time"]),
         _damaged(chip, counts[: round(DAMAGED_SECONDS * DESIGN.sensor.sample_rate_hz)], found),

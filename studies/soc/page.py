@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -10,13 +11,15 @@ import numpy as np
 from sculler.plots.pictures import BLUE, GREY, VERMILION, legend, new_figure
 from sculler_model.frames import euler_angles
 from studies import documents
-from studies.soc.fly import CORRUPTED, DESIGN, LOST, MOTION, SECONDS, Measured
+from studies.soc.designs import DESIGN, SLOW_HZ
+from studies.soc.fly import CORRUPTED, LOST, MOTION, SECONDS, Measured
+from studies.soc.more import Further
 from studies.soc.place import CELLS, Placed
 
 PICTURE = "chip-flight.png"
 
 
-def document(flight: Measured, placed: Sequence[Placed]) -> str:
+def document(flight: Measured, more: Sequence[Further], placed: Sequence[Placed]) -> str:
     """The text of the page."""
     lines: list[str] = []
     for section in (
@@ -24,6 +27,7 @@ def document(flight: Measured, placed: Sequence[Placed]) -> str:
         flight_table(flight),
         _times(flight),
         _damage(flight),
+        further_table(more),
         _parts(flight, placed),
     ):
         lines += [*section, ""]
@@ -39,7 +43,7 @@ def _introduction(flight: Measured) -> Iterator[str]:
     yield documents.paragraph(
         f"The [chip](../reference/soc.md) of the preset `stim300` ({DESIGN.algorithm.family}, n ="
         f" {DESIGN.algorithm.samples}, M = {DESIGN.algorithm.minors}: 100 results a second) at"
-        f" {flight.figures['clock_hz'] / 1e6:g} MHz, {chip.plan.memory_kib} KiB of memory; firmware"
+        f" {flight.figures['clock_hz'] / 1e6:g} MHz, {chip.plan.memory} KiB of memory; firmware"
         f" of {chip.firmware.code:,} bytes of code and {chip.firmware.variables:,} of variables, by"
         f" {chip.firmware.compiler}."
     )
@@ -103,7 +107,7 @@ def _times(flight: Measured) -> Iterator[str]:
         [(what, f"{clocks:,}", f"{1e6 * clocks / clock:,.1f}") for what, clocks in rows],
     )
     yield ""
-    instructions = 100_728 + 27_459
+    instructions = _instructions()
     yield documents.paragraph(
         f"The last row is what the rate depends on: {found['updates_per_second']:.0f} updates a"
         f" second at {clock / 1e6:g} MHz, for 100 that are needed. By the"
@@ -111,6 +115,14 @@ def _times(flight: Measured) -> Iterator[str]:
         f" {instructions:,}, that is {found['update_clocks'] / instructions:.2f} clocks an"
         " instruction or so; the first update takes twice as long, and results wait for it."
     )
+
+
+def _instructions() -> int:
+    """Of an update with state and frame on RV32IM, as host-in-c-targets.md tells."""
+    text = (documents.PAGES / "host-in-c-targets.md").read_text(encoding="utf-8")
+    found = re.search(r"^\| RV32IM .*?\*\*([\d,]+)\*\* \| ([\d,]+) \|", text, re.MULTILINE)
+    assert found is not None
+    return sum(int(number.replace(",", "")) for number in found.groups())
 
 
 def _damage(flight: Measured) -> Iterator[str]:
@@ -131,6 +143,50 @@ def _damage(flight: Measured) -> Iterator[str]:
         ("last position, from that of the whole flight", f"{hurt.away:.1e} m"),
     ]
     yield from documents.table("lr", ("what", "found"), rows)
+
+
+def further_table(more: Sequence[Further]) -> Iterator[str]:
+    """Flights of other chips."""
+    yield "## More flights"
+    yield ""
+    yield documents.paragraph(
+        f"Other chips, at {SLOW_HZ / 1e6:g} MHz with sensors of 125 samples a second, so that they"
+        " are quick to simulate. *Equal* are results that are the model's, integer for integer, of"
+        " those that came, and how many there were to come. Each state is held against Python's"
+        " navigator on the same results: the largest difference of attitude and velocity, and of"
+        " position."
+    )
+    yield ""
+    headings = ("flight", "code, bytes", "equal", "of", "states", "rad, m/s", "m", "coasted, s")
+    rows = [
+        (
+            one.what,
+            f"{one.code:,}",
+            *(f"{one.equal} of {one.came}", f"{len(one.flown.model)}"),
+            f"{len(one.flown.record.states)} of {len(one.flown.followed.rows)}",
+            f"{max(one.away[:2]):.0e}" if max(one.away[:2]) else "0",
+            f"{one.away[2]:.0e}" if one.away[2] else "0",
+            f"{one.flown.followed.coasted:.3g}",
+        )
+        for one in more
+    ]
+    yield from documents.table("lr" + "r" * 6, headings, rows)
+    yield ""
+    yield documents.paragraph(
+        "Where the processor is too slow an update takes longer than the interval: the core drops"
+        " results, the next one's `major` tells how many, and the navigation coasts over them."
+    )
+    yield ""
+    for one in more:
+        if one.aligned is not None:
+            apart, clocks = one.aligned
+            yield documents.paragraph(
+                f"The {one.what}: {apart:.1e} rad from the attitude that Python finds in the same"
+                f" window, for the attitude is an eigenvector, which rounding moves"
+                f" ([how far](host-in-c.md)). The end of the window takes {clocks:,} clocks,"
+                f" {1e3 * clocks / 40e6:.0f} ms at 40 MHz, in which results wait."
+            )
+            yield ""
 
 
 def _parts(flight: Measured, placed: Sequence[Placed]) -> Iterator[str]:
@@ -155,15 +211,21 @@ def _parts(flight: Measured, placed: Sequence[Placed]) -> Iterator[str]:
         for one in placed
     ]
     yield from documents.table("lr" + "r" * len(CELLS) + "rr", headings, rows)
+    yield ""
+    yield documents.paragraph(
+        "Updates a second are those of the flight above at the clock of the part. In a Nexus"
+        " (LIFCL-40) the chip has not been placed: cores have a target for it, the chip has only"
+        " been tried on ECP5."
+    )
 
 
 def draw(folder: Path, flight: Measured) -> Path:
     """Truth, Python and chip: three lines that are one; and how far they are apart."""
-    states, expected, truth = flight.flown.record.states, flight.flown.expected, flight.truth
+    states, expected, truth = flight.flown.record.states, flight.flown.followed.states, flight.truth
     count = len(states)
     time = states["time"]
     chip = np.degrees(euler_angles(states["q"][:, [3, 0, 1, 2]]))
-    python = np.degrees(expected.euler[1 : count + 1])
+    python = np.degrees(expected.euler[:count])
     true = np.degrees(truth.euler)
     path = folder / PICTURE
     with new_figure(path, 10, 7) as figure:

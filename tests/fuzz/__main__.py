@@ -29,8 +29,12 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="sculler-fuzz-") as folder:
         os.environ["SCULLER_CACHE"] = f"{folder}/cache"
         from fuzz.running import Bench, Case, Finding
+        from fuzz.targets import TARGETS
 
-        bench = Bench(Path(folder) / "bench")
+        # the first cases are one of each target in turn
+        every = options.target is not None or options.case is not None
+        reached = TARGETS if every else TARGETS[: options.cases]
+        bench = Bench(Path(folder) / "bench", reached)
 
         def cases():  # type: ignore[no-untyped-def]
             number = count = 0

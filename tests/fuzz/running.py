@@ -56,9 +56,10 @@ class Bench:
 
     Args:
         folder: to work in; emptied.
+        targets: that cases come of.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, targets: Iterable[Target] = TARGETS) -> None:
         shutil.rmtree(folder, ignore_errors=True)
         self._ours = folder
         self._work = folder / "in" / "here"
@@ -70,7 +71,7 @@ class Bench:
             if Path(name).suffix[1:] in CONTAINERS
         }
         self.ran: Counter[str] = Counter()
-        for target in TARGETS:  # what is imported and compiled here is there in every child
+        for target in targets:  # what is imported and compiled here is there in every child
             finding = self._judge(Case(0, 0, target, self._words(target), None), warming=True)
             assert finding is None, f"{target.name}: {finding}"
         gc.collect()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
+from shutil import which
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,7 +39,8 @@ MATRIX = CONVERT + " --variable imu --gyro-unit rad --accel-unit m/s --time-colu
 RAW = "convert {} -o out.csv --design wide.toml"
 FAST = RAW.replace("wide.toml", "fast.toml")
 HDF5 = RAW + " --gyro-unit rad/s --accel-unit m/s2"
-NAVIGATE = "navigate inc.toml {} -o out.csv --no-plots --lat 47 --lon 8 --height 400"
+PLACE = " --lat 47 --lon 8 --height 400"
+NAVIGATE = "navigate inc.toml {} -o out.csv --no-plots" + PLACE
 ATTITUDE = "navigate inc.toml {} -o out.csv --no-plots --attitude-only --lat 47 --rest 2:9"
 CALIBRATED = COUNTS.format("log.csv") + " --calibration {}"
 RESULTS = NAVIGATE.format("vectors.csv") + " --calibration {}"
@@ -49,6 +52,16 @@ TURNED = " --gyro-bias 1,2,3 --axes y,x,-z --max-gap 1 --gaps bridge --misalignm
 GIVEN = " --heading 3 --vn 2 --start 0.08 --axes x,y,z --height-damping 100 --position-every 2"
 SHAKEN = " --lat 4 --half-angle 1 --frequency 9 --vibration 0.1 --vibration-band 5-20"
 FAMILY = "--family time-taylor --samples 3 --history 0 --minors 2 --rate 100 --half-angle 0.1"
+
+NEEDED_FOR_CHIPS = (which("riscv64-unknown-elf-gcc"), find_spec("pythondata_cpu_vexriscv"))
+"""A compiler, and a package of a processor's Verilog."""
+
+ALIGNED = " --align 60 --gyro-noise 0.15 --accel-noise 0.07 --fine --memory 256"
+CHIPS = (
+    Target("soc", "chip.toml", f"soc {{}} -o out{PLACE}", 20, programs=True),
+    Target("soc-truth", "truth.csv", "soc chip.toml -o out --truth {}", 20, programs=True),
+    Target("options-soc", "", f"soc chip.toml -o out{PLACE}{ALIGNED}", 20, programs=True),
+)
 
 TARGETS = (
     Target("design", "inc.toml", "model {} log.csv -o out.csv"),
@@ -120,9 +133,24 @@ TARGETS = (
     Target("options-analyze", "", f"analyze coning inc.toml {FAMILY} --points 20", 4),
     Target("options-coefficients", "", "coefficients --family time-taylor --samples 3 --history 1"),
     Target("options-simulate", "", SIMULATE.format("short.csv") + " --stall 1 --wave w.vcd", 10),
+    *(CHIPS if all(there is not None for there in NEEDED_FOR_CHIPS) else ()),
 )
 """A new format is a line here, and its example in `examples`."""
 
+
+CHIP = """preset = "stim300"
+name = "chip"
+[sensor]
+sample_rate_hz = 125.0
+[hardware]
+core = "compact"
+[hardware.bus]
+result = "wishbone"
+[hardware.front]
+sensor = "stim300"
+clock_hz = 1843200.0
+baud = 115200.0
+"""
 
 DESIGN = """name = "{name}"
 [sensor]
@@ -186,6 +214,7 @@ def examples(folder: Path) -> dict[str, bytes]:
     (folder / "response.csv").write_text(
         "freq_hz,gain\n" + "".join(f"{f},{1 / (1 + (f / 60) ** 2):.6f}\n" for f in range(0, 60, 5))
     )
+    (folder / "chip.toml").write_text(CHIP)
     linear = "[gyro]\nbias = [1.0, 2.0, -3.0]\nmisalignment = [1, 2, 3, 4, 5, 6]\n"
     (folder / "linear.toml").write_text(linear + "[accel]\nscale_factor = 100.0\n")
     (folder / "calibration.toml").write_text("delay_samples = 0.5\n" + linear)

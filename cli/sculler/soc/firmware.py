@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from sculler.soc.texts import STACK_BYTES, SocPlan, firmware_texts
+from sculler.soc.plan import SocPlan
+from sculler.soc.texts import firmware_texts
 from sculler_model.errors import InputError
 from sculler_sim import processes
 
@@ -18,11 +20,12 @@ PREFIX = "riscv64-unknown-elf-"
 """Of the cross compiler's programs."""
 
 FLAGS = (
-    "-march=rv32im -mabi=ilp32 -misa-spec=2.2 --specs=picolibc.specs -std=c99 -Os"
-    " -ffp-contract=off -ffunction-sections -fdata-sections -Wall -Wextra"
+    "-msave-restore -march=rv32im -mabi=ilp32 -misa-spec=2.2 --specs=picolibc.specs -std=c99 -Os"
+    " -ffp-contract=off -ffunction-sections -fdata-sections -Wall -Wextra -DSCULLER_ALIGN_PARTS=16u"
 ).split()
-ALIGNMENT = ("sculler_align.c", "sculler_noise.c", "sculler_fine.c")
-"""Which the firmware does not call."""
+ALIGNMENT = ("sculler_align.c", "sculler_fine.c")
+ESTIMATE = "sculler_noise.c"
+"""Of the host in C's files, what a firmware calls only where it aligns; and what never."""
 
 LINKING = "-nostartfiles -Wl,--gc-sections -T soc.ld -lm".split()
 
@@ -49,8 +52,7 @@ class Firmware:
 def makefile(plan: SocPlan) -> str:
     """NAME_soc.mk: compiles the firmware anew, and makes a bitstream for an ECP5."""
     name = plan.design.name
-    sources = [file for file in firmware_texts(plan) if file.endswith((".c", ".S"))]
-    own = " ".join(file for file in sources if file not in ALIGNMENT)
+    own = " ".join(_sources(plan, firmware_texts(plan)))
     hardware = " ".join(f"{name}{part}.v" for part in ("", "_front", "_bus", "_unit"))
     sizes = " ".join(_sizes(plan))
     return f"""# {name}_soc, made by `sculler soc`:
@@ -85,11 +87,17 @@ FIRMWARE := {own}
 """
 
 
+def _sources(plan: SocPlan, texts: Iterable[str]) -> list[str]:
+    """Those of the files that are compiled."""
+    without = {ESTIMATE, *(() if plan.align else ALIGNMENT)}
+    return [file for file in texts if file.endswith((".c", ".S")) and file not in without]
+
+
 def _sizes(plan: SocPlan) -> tuple[str, str]:
     """What the linker script asks for."""
     return (
-        f"-Wl,--defsym=_memory_bytes={plan.memory_kib * 1024}",
-        f"-Wl,--defsym=_stack_bytes={STACK_BYTES}",
+        f"-Wl,--defsym=_memory_bytes={plan.memory * 1024}",
+        f"-Wl,--defsym=_stack_bytes={plan.stack_bytes}",
     )
 
 
@@ -122,7 +130,7 @@ def compile_firmware(plan: SocPlan, registers: str) -> Firmware:
         texts = {**firmware_texts(plan), f"{plan.design.name}_regs.h": registers}
         for file, text in texts.items():
             (work / file).write_text(text, encoding="utf-8")
-        sources = [file for file in texts if file.endswith((".c", ".S")) and file not in ALIGNMENT]
+        sources = _sources(plan, texts)
         _called(work, f"{PREFIX}gcc", *FLAGS, *sources, *LINKING, *_sizes(plan), "-o", "f.elf")
         _called(work, f"{PREFIX}objcopy", "-O", "binary", "f.elf", "f.bin")
         size = _called(work, f"{PREFIX}size", "f.elf").splitlines()[1].split()

@@ -9,15 +9,36 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.formats.telemetry import FRAME
-from sculler.soc.texts import COUNTERS, registers_of
+from sculler.soc.plan import COUNTERS, registers_of
 from sculler_model.design import Design
 from sculler_model.fast import VectorBlock
 from sculler_model.golden import words_per_column
 
 _MARK = b"SN\x01"
 _HEAD, _CRC = 8, 4
-_STATE, _RESULT = 1, 2
+_STATE, _RESULT, _ALIGNMENT = 1, 2, 3
 _FRONT_STAMPS = 7  # registers of time stamps behind a result's columns
+
+ALIGNMENT = np.dtype(
+    [
+        ("head", f"V{_HEAD}"),
+        ("number", "<u8"),
+        ("error", "<u4"),
+        ("fine", "<u4"),
+        ("seconds", "<f8"),
+        ("q", "<f8", 4),
+        ("covariance", "<f8", (3, 3)),
+        ("horizontal_rate", "<f8"),
+        ("down_rate", "<f8"),
+        ("specific_force", "<f8"),
+        ("gravity", "<f8"),
+        ("gyro_bias", "<f8", 3),
+        ("gyro_bias_sigma", "<f8", 3),
+        ("surprise", "<f8"),
+        ("crc", "<u4"),
+    ]
+)
+"""A frame of kind 3; its quaternion is x, y, z, w as in a state's."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +54,7 @@ class ChipRecord:
         free, begun, ended: (N,) when the firmware had nothing left to do before the result, when it
             took it up, and when it had the state.
         counters: (N, 5) frames_taken, frames_bad, frames_missed, frames_late, samples_lost.
+        alignments: frames of kind 3 (`ALIGNMENT`).
         states: the frames of the states (`sculler.formats.telemetry.FRAME`).
         state_ends: number of each state's frame, and the place of its last byte.
         passed_over: bytes that belong to no whole frame.
@@ -46,6 +68,7 @@ class ChipRecord:
     begun: NDArray[np.int64]
     ended: NDArray[np.int64]
     counters: NDArray[np.int64]
+    alignments: NDArray[np.void]
     states: NDArray[np.void]
     state_ends: list[tuple[int, int]]
     passed_over: int
@@ -58,6 +81,7 @@ class ChipRecord:
             self,
             results=self.results[:results],
             **{name: getattr(self, name)[:results] for name in _BY_RESULT},
+            alignments=self.alignments[self.alignments["number"] < number],
             states=self.states[:states],
             state_ends=self.state_ends[:states],
         )
@@ -73,7 +97,7 @@ def read_chip(design: Design, data: bytes) -> ChipRecord:
         design: of the chip.
         data: bytes of its telemetry.
     """
-    states, results, at, passed = bytearray(), list[bytes](), 0, 0
+    states, alignments, results, at, passed = bytearray(), bytearray(), list[bytes](), 0, 0
     ends: list[tuple[int, int]] = []
     while at < len(data):
         kind, length = data[at + 3 : at + 4], _length(data, at)
@@ -87,8 +111,11 @@ def read_chip(design: Design, data: bytes) -> ChipRecord:
             ends.append((int.from_bytes(frame[8:16], "little"), at + length - 1))
         elif kind[0] == _RESULT:
             results.append(frame)
+        elif kind[0] == _ALIGNMENT and length == ALIGNMENT.itemsize:
+            alignments += frame
         at += length
-    return _record(design, results, bytes(states), ends, passed)
+    table = np.frombuffer(bytes(alignments), ALIGNMENT)
+    return _record(design, results, table, np.frombuffer(bytes(states), FRAME), ends, passed)
 
 
 def _length(data: bytes, at: int) -> int:
@@ -106,7 +133,8 @@ def _is_whole(frame: bytes) -> bool:
 def _record(
     design: Design,
     frames: list[bytes],
-    states: bytes,
+    alignments: NDArray[np.void],
+    states: NDArray[np.void],
     ends: list[tuple[int, int]],
     passed: int,
 ) -> ChipRecord:
@@ -137,7 +165,8 @@ def _record(
         table["begun"].astype(np.int64),
         table["ended"].astype(np.int64),
         table["counters"].astype(np.int64),
-        np.frombuffer(states, FRAME),
+        alignments,
+        states,
         ends,
         passed,
     )

@@ -2,116 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from importlib import import_module, metadata, resources
 from pathlib import Path
 from string import Template
 
 from sculler.host_c import host_texts, library_texts
+from sculler.soc.plan import BAUD, COUNTERS, SocPlan
 from sculler_hdl import pin_ports, unit_ports
-from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_model.golden import words_per_column
-from sculler_model.navigation import NavState
+from sculler_model.navigation import SensorNoise
 
-BAUD = 921_600
-"""Of the telemetry's line."""
-
-COUNTERS = ("FRAMES_TAKEN", "FRAMES_BAD", "FRAMES_MISSED", "FRAMES_LATE", "SAMPLES_LOST")
-"""Registers of the unit that each result's telemetry tells."""
-
-STACK_BYTES = 6144
 _PACKAGE, _CORE = "pythondata-cpu-vexriscv", "VexRiscv.v"
 _SOURCES = ("soc_start.S", "soc.ld")
-
-
-@dataclass(frozen=True)
-class SocPlan:
-    """A chip to make.
-
-    Attributes:
-        design: with a sensor front end, and Wishbone as its bus.
-        start: where the navigation begins, at the end of the first result of full history; its
-            time is not looked at.
-        position_every: major intervals from one position update to the next.
-        memory_kib: of the processor, a power of two.
-
-    Raises:
-        InputError: the design is none for a chip, or a number is out of its range.
-    """
-
-    design: Design
-    start: NavState
-    position_every: int = 1
-    memory_kib: int = 64
-
-    def __post_init__(self) -> None:
-        check_soc(self.design)
-        if not 32 <= self.memory_kib <= 1024 or self.memory_kib & (self.memory_kib - 1):
-            raise InputError(
-                f"--memory {self.memory_kib}: give a power of two from 32 to 1024 (KiB)"
-            )
-
-    @property
-    def divisor(self) -> int:
-        """Clocks a bit of telemetry."""
-        return clocks_a_bit(self.design)
-
-    @property
-    def clock_mhz(self) -> float:
-        """Of the chip."""
-        front = self.design.hardware.front
-        assert front is not None
-        return front.clock_hz / 1e6
-
-
-def clocks_a_bit(design: Design) -> int:
-    """Clocks a bit of telemetry."""
-    front = design.hardware.front
-    assert front is not None
-    return round(front.clock_hz / BAUD)
-
-
-def check_soc(design: Design) -> None:
-    """See that a design is one for a chip.
-
-    Raises:
-        InputError: it has no front end, another bus than Wishbone, no time stamps, or a clock that
-            is too slow for the telemetry.
-    """
-    hardware = design.hardware
-    if hardware.front is None:
-        raise InputError(
-            f"{design.name}: a chip needs the sensor's wire, add a [hardware.front] to the design"
-        )
-    bus = hardware.bus
-    if bus is None or bus.result != "wishbone" or bus.clock != "same" or not bus.time_stamps:
-        raise InputError(
-            f"{design.name}: the processor's bus is Wishbone, add [hardware.bus] with result ="
-            ' "wishbone", clock = "same" and time_stamps = true'
-        )
-    error = clocks_a_bit(design) * BAUD / hardware.front.clock_hz - 1
-    if abs(error) > 0.02:
-        raise InputError(
-            f"hardware.front.clock_hz {hardware.front.clock_hz:g}: {BAUD} baud of telemetry are off"
-            f" by {100 * abs(error):.1f} %, give a faster clock"
-        )
-    rate = design.sensor.sample_rate_hz / design.samples_per_major
-    if rate * bytes_a_result(design) * 10 > 0.95 * BAUD:
-        raise InputError(
-            f"{design.name}: telemetry of {rate:g} results a second is more than {BAUD} baud, give"
-            " more algorithm.minors"
-        )
-
-
-def registers_of(design: Design) -> int:
-    """Registers of 32 bits of a result, with its time stamps."""
-    return len(design.columns) * -(-words_per_column(design) // 2) + 7
-
-
-def bytes_a_result(design: Design) -> int:
-    """Of telemetry: a frame of kind 2 and one of kind 1."""
-    return 8 + 8 + 4 * (registers_of(design) + len(COUNTERS)) + 24 + 4 + 116
 
 
 class _Verilog(Template):
@@ -137,10 +39,10 @@ def soc_texts(plan: SocPlan) -> dict[str, str]:
     address = next(port for port in unit_ports(design) if port.name == "wb_adr")
     top = _Verilog(_source("soc.v.in")).substitute(
         name=design.name,
-        memory_kib=plan.memory_kib,
+        memory_kib=plan.memory,
         baud=BAUD,
         clock_mhz=f"{plan.clock_mhz:g}",
-        word_bits=(plan.memory_kib * 256 - 1).bit_length(),
+        word_bits=(plan.memory * 256 - 1).bit_length(),
         divisor=plan.divisor,
         unit_top=address.bits - 3,
         pins="\n".join(f"  {port.direction} {port.name},  // {port.meaning}" for port in pins),
@@ -176,17 +78,28 @@ def firmware_texts(plan: SocPlan) -> dict[str, str]:
 
     NAME_flight.c, NAME_start.h, start-up code, linker script, and the host in C.
     """
-    design = plan.design
+    design, front = plan.design, plan.design.hardware.front
+    assert front is not None
     guard = design.name.upper()
-    flight = Template(_source("flight.c.in")).substitute(
-        name=design.name,
-        guard=guard,
-        counter_count=len(COUNTERS),
-        counters=", ".join(f"{guard}_{name}" for name in COUNTERS),
-    )
+    words = {
+        "name": design.name,
+        "guard": guard,
+        "counter_count": len(COUNTERS),
+        "counters": ", ".join(f"{guard}_{name}" for name in COUNTERS),
+        "sample_rate": repr(float(design.sensor.sample_rate_hz)),
+        "clock": repr(float(front.clock_hz)),
+        "samples": design.samples_per_major,
+    }
+    aligning = {}
+    if plan.align:
+        aligning = {
+            "chip_align.c": Template(_source("chip_align.c.in")).substitute(words),
+            "chip_align.h": _source("chip_align.h"),
+        }
     return {
-        f"{design.name}_flight.c": flight,
+        f"{design.name}_flight.c": Template(_source("flight.c.in")).substitute(words),
         f"{design.name}_start.h": _start(plan),
+        **aligning,
         **{name: _source(name) for name in _SOURCES},
         **host_texts(design),
         **library_texts(),
@@ -199,14 +112,21 @@ def _start(plan: SocPlan) -> str:
     w, x, y, z = (float(part).hex() for part in state.q)
     north, east, down = (float(part).hex() for part in state.v)
     lat, lon, height = (float(part).hex() for part in (state.lat, state.lon, state.h))
+    include = "sculler_align.h" if plan.align else "sculler_nav.h"
     return f"""/* Where {plan.design.name}_soc begins to navigate.  Made by `sculler soc`. */
 #ifndef {guard}_START_H
 #define {guard}_START_H
 
-#include "sculler_nav.h"
+#include "{include}"
 
 #define {guard}_POSITION_EVERY {plan.position_every}u
+#define {guard}_RING {plan.ring}u /* a power of two */
 
+/* results of a window at rest, 0 for none; whether a fine stage follows, and its steps */
+#define {guard}_ALIGN_RESULTS {plan.align.results if plan.align else 0}u
+#define {guard}_ALIGN_FINE {int(plan.align is not None and plan.align.fine)}u
+#define {guard}_ALIGN_STEPS {plan.steps}u
+{_noise(plan)}
 /* time (set by the firmware), attitude w x y z, velocity north east down, latitude, longitude,
  * height, wander angle */
 static const sculler_state {plan.design.name}_start = {{
@@ -217,6 +137,28 @@ static const sculler_state {plan.design.name}_start = {{
     0.0}};
 
 #endif
+"""
+
+
+def _noise(plan: SocPlan) -> str:
+    """The sensors' noise, where an alignment asks."""
+    if plan.align is None:
+        return ""
+    noise: SensorNoise = plan.align.noise
+    told = (
+        (noise.angle_random_walk, "rad/sqrt(s)"),
+        (noise.velocity_random_walk, "m/s/sqrt(s)"),
+        (noise.velocity_noise, "m/s, of the velocity at one instant"),
+        (noise.gyro_bias, "rad/s; negative where nothing is known, as the next"),
+        (noise.accel_bias, "m/s^2"),
+    )
+    rows = "".join(
+        f"    {-1.0 if value is None else float(value)!r}, /* {unit} */\n" for value, unit in told
+    )
+    return f"""
+/* one standard deviation, each axis */
+static const sculler_noise {plan.design.name}_noise = {{
+{rows}}};
 """
 
 

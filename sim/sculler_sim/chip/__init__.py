@@ -1,4 +1,4 @@
-"""A whole chip in Verilator: bytes on the sensor's pin in, bytes of the telemetry pin out.
+"""A whole chip in Verilator: its sensor's bytes in, by UART or SPI, bytes of its telemetry out.
 
 `fly` compiles a chip's Verilog once and runs it, clock by clock; its memory's content is read when
 it starts, so a new firmware needs no new simulator.

@@ -2,25 +2,87 @@
 //
 //   chip LINE OUT CLOCKS
 //
-// LINE has a row a byte: the clock in which its start bit begins, and the byte.  OUT gets a row for
-// each byte that the chip sends: the clock in which its start bit began, and the byte; -1 where its
-// stop bit was not high.
+// LINE has what the sensor sends.  On an asynchronous line a row a byte: the clock in which its start
+// bit begins, and the byte.  Over SPI a row a sample: the clock in which data-ready rises, how many
+// bytes the sensor has then, and these.  OUT gets a row for each byte that the chip sends: the clock
+// in which its start bit began, and the byte; -1 where its stop bit was not high.
 //
-// Defined by the build: SENSOR_PIN, TELEMETRY_PIN, CLOCKS_A_SENSOR_BIT (a double), SENSOR_PARITY
-// (0 none, 1 odd, 2 even), CLOCKS_A_TELEMETRY_BIT, RESET_CLOCKS.
+// Defined by the build: TELEMETRY_PIN, CLOCKS_A_TELEMETRY_BIT, RESET_CLOCKS; of an asynchronous line
+// SENSOR_PIN, CLOCKS_A_SENSOR_BIT (a double), SENSOR_PARITY (0 none, 1 odd, 2 even); of SPI
+// SENSOR_REQUESTS (words of 16 bits, separated by commas), READY_CLOCKS (how long data-ready is high).
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <vector>
 
 #include "Vchip.h"
 
 namespace {
 
-// The sensor's end of its line.
-class Sender {
+#ifdef SENSOR_REQUESTS
+// A sensor on SPI in mode 3: while it takes the first word it shows zeros, then the sample's bytes,
+// as long as it has been asked for them in the right words.
+class Sensor {
   public:
-    explicit Sender(std::FILE *file) : file_(file) { next(); }
+    explicit Sensor(std::FILE *file) : file_(file) { next(); }
+
+    void drive(Vchip &chip, uint64_t clock) {
+        if (there_ && clock == ready_) {
+            shown_ = bytes_;
+            bit_ = 0;
+            asked_ = true;
+            low_at_ = clock + READY_CLOCKS;
+            chip.data_ready = 1;
+            next();
+        }
+        if (clock == low_at_) chip.data_ready = 0;
+        if (!chip.cs_n && sck_ && !chip.sck) {
+            const size_t place = bit_ / 8;
+            const bool in_frame = place >= 2 && place < shown_.size() + 2;
+            miso_ = in_frame && asked_ ? shown_[place - 2] >> (7 - bit_ % 8) & 1 : 0;
+        }
+        if (!chip.cs_n && !sck_ && chip.sck) {
+            word_ = (word_ << 1 | chip.mosi) & 0xFFFFu;
+            if (++bit_ % 16 == 0) {
+                const size_t number = bit_ / 16 - 1;
+                asked_ = asked_ && word_ == (number < requests_.size() ? requests_[number] : 0u);
+            }
+        }
+        sck_ = chip.sck;
+        chip.miso = (uint8_t)miso_;
+    }
+
+  private:
+    void next() {
+        unsigned long long ready = 0;
+        unsigned count = 0;
+        there_ = std::fscanf(file_, "%llu %u", &ready, &count) == 2;
+        ready_ = ready;
+        bytes_.assign(there_ ? count : 0u, 0u);
+        for (unsigned &byte : bytes_) {
+            if (std::fscanf(file_, "%u", &byte) != 1) there_ = false;
+        }
+    }
+
+    const std::vector<unsigned> requests_{SENSOR_REQUESTS};
+    std::FILE *file_;
+    std::vector<unsigned> bytes_, shown_;
+    uint64_t ready_ = 0, low_at_ = 0;
+    size_t bit_ = 0;
+    unsigned word_ = 0;
+    int miso_ = 0;
+    bool there_ = false, asked_ = false, sck_ = true;
+};
+#else
+// The sensor's end of its line.
+class Sensor {
+  public:
+    explicit Sensor(std::FILE *file) : file_(file) { next(); }
+
+    void drive(Vchip &chip, uint64_t clock) { chip.SENSOR_PIN = (uint8_t)level(clock); }
+
+  private:
 
     int level(uint64_t clock) {
         while (bit_ < bits_ && clock >= edge_) {
@@ -32,7 +94,6 @@ class Sender {
         return level_;
     }
 
-  private:
     int parity() const { return __builtin_parity((unsigned)byte_) ^ (SENSOR_PARITY == 1); }
 
     void next() {
@@ -52,6 +113,7 @@ class Sender {
     uint64_t begin_ = 0, edge_ = 0;
     int byte_ = 0, bits_ = 0, bit_ = 0, level_ = 1;
 };
+#endif
 
 // The other end of the telemetry's.
 class Receiver {
@@ -92,11 +154,11 @@ int main(int count, char **words) {
     const uint64_t clocks = std::strtoull(words[3], nullptr, 10);
     VerilatedContext context;
     Vchip chip{&context};
-    Sender sender(line);
+    Sensor sensor(line);
     Receiver receiver(out);
     for (uint64_t clock = 0; clock < clocks; clock++) {
         chip.rst = clock < RESET_CLOCKS;
-        chip.SENSOR_PIN = sender.level(clock);
+        sensor.drive(chip, clock);
         chip.clk = 0;
         chip.eval();
         chip.clk = 1;

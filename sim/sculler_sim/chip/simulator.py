@@ -12,12 +12,15 @@ from pathlib import Path
 from typing import Literal
 
 from sculler_model.errors import InputError
-from sculler_model.front import Uart
+from sculler_model.front import Spi, Uart
 from sculler_sim import processes
 from sculler_sim.engines import cache
 from sculler_sim.engines.verilator_build import Tools
 
 RESET_CLOCKS = 16
+READY_S = 20e-6
+"""How long data-ready is high."""
+
 _VERILATOR = (
     "--cc -O3 --x-assign fast --x-initial fast --no-assert --no-timing --make json --prefix Vchip"
     " --Mdir model -Wno-lint -Wno-style -Wno-fatal"
@@ -34,7 +37,7 @@ class Chip:
         top: its module, with the ports clk and rst; other inputs but the sensor's stay low.
         verilog: texts by name of file.
         memory: files that it reads when it starts, by name.
-        sensor: the line at `sensor_pin`.
+        sensor: the line at `sensor_pin`; or SPI, at sck, cs_n, mosi, miso and data_ready.
         clock_hz: of clk.
         clocks_a_bit: of the line at `telemetry_pin`.
         sensor_pin, telemetry_pin: names of ports.
@@ -43,7 +46,7 @@ class Chip:
     top: str
     verilog: Mapping[str, str]
     memory: Mapping[str, str]
-    sensor: Uart
+    sensor: Uart | Spi
     clock_hz: float
     clocks_a_bit: int
     sensor_pin: str = "rx"
@@ -63,12 +66,13 @@ class Sent:
     clocks: tuple[int, ...]
 
 
-def fly(chip: Chip, line: Iterable[tuple[int, int]], clocks: int) -> Sent:
+def fly(chip: Chip, line: Iterable[tuple[int, ...]], clocks: int) -> Sent:
     """Run a chip from its reset on.
 
     Args:
         chip: the chip.
         line: bytes on the sensor's line: the clock in which the start bit begins, and the byte.
+            Over SPI: the clock in which data-ready rises, and all bytes of the sample.
         clocks: how long.
 
     Raises:
@@ -79,8 +83,10 @@ def fly(chip: Chip, line: Iterable[tuple[int, int]], clocks: int) -> Sent:
     with cache.workshop() as work:
         for name, text in chip.memory.items():
             (work / name).write_text(text, encoding="ascii")
-        rows = "".join(f"{clock} {byte}\n" for clock, byte in line)
-        (work / "line.txt").write_text(rows, encoding="ascii")
+        counted = isinstance(chip.sensor, Spi)
+        rows = [(row[0], len(row) - 1, *row[1:]) if counted else row for row in line]
+        text = "".join(" ".join(map(str, row)) + "\n" for row in rows)
+        (work / "line.txt").write_text(text, encoding="ascii")
         _called(chip, [str(program), "line.txt", "sent.txt", str(clocks)], work)
         sent = [row.split() for row in (work / "sent.txt").read_text("ascii").splitlines()]
     if any(byte == "-1" for _, byte in sent):
@@ -95,10 +101,8 @@ def _build(chip: Chip) -> Path:
         resources.files("sculler_sim").joinpath("chip", "simulator.cpp").read_text(encoding="utf-8")
     )
     defines = [
-        f"-DSENSOR_PIN={chip.sensor_pin}",
+        *_line(chip),
         f"-DTELEMETRY_PIN={chip.telemetry_pin}",
-        f"-DCLOCKS_A_SENSOR_BIT={chip.clock_hz / chip.sensor.baud!r}",
-        f"-DSENSOR_PARITY={_PARITIES[chip.sensor.parity]}",
         f"-DCLOCKS_A_TELEMETRY_BIT={chip.clocks_a_bit}",
         f"-DRESET_CLOCKS={RESET_CLOCKS}",
     ]
@@ -124,6 +128,19 @@ def _build(chip: Chip) -> Path:
         _called(chip, [*compiling, "whole.cpp", "-o", "chip"], work)
         (work / "chip").replace(program)
     return program
+
+
+def _line(chip: Chip) -> list[str]:
+    """What the harness is told of the sensor's wire."""
+    wire = chip.sensor
+    if isinstance(wire, Spi):
+        ready = max(1, round(READY_S * chip.clock_hz))
+        return [f"-DSENSOR_REQUESTS={','.join(map(str, wire.requests))}", f"-DREADY_CLOCKS={ready}"]
+    return [
+        f"-DSENSOR_PIN={chip.sensor_pin}",
+        f"-DCLOCKS_A_SENSOR_BIT={chip.clock_hz / wire.baud!r}",
+        f"-DSENSOR_PARITY={_PARITIES[wire.parity]}",
+    ]
 
 
 def _called(

@@ -231,16 +231,7 @@ carrier_options = group(
 )
 """What carries the state, and how."""
 
-sensor_options = group(
-    click.option(
-        "--gravity",
-        "gravity",
-        default="normal",
-        show_default=True,
-        metavar="normal|constant[:G]|FILE",
-        help="Gravity to navigate by: the normal field of WGS-84, one value everywhere (9.80665, or"
-        " G in m/s^2), or a CSV lat_deg,height_m,gravity: a grid, a profile or one measured point.",
-    ),
+noise_options = group(
     *(
         click.option(flag, type=terminal.number_type(0), metavar=metavar, help=text)
         for flag, metavar, text in (
@@ -268,6 +259,20 @@ sensor_options = group(
         )
     ),
 )
+"""What is known of the sensors' noise and biases."""
+
+sensor_options = group(
+    click.option(
+        "--gravity",
+        "gravity",
+        default="normal",
+        show_default=True,
+        metavar="normal|constant[:G]|FILE",
+        help="Gravity to navigate by: the normal field of WGS-84, one value everywhere (9.80665, or"
+        " G in m/s^2), or a CSV lat_deg,height_m,gravity: a grid, a profile or one measured point.",
+    ),
+    noise_options,
+)
 """Gravity, and what is known of the sensors."""
 
 
@@ -288,11 +293,11 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
     from sculler.formats.calibration import read_calibration
     from sculler.formats.gravity import gravity_model
     from sculler.runs.navigation import Carrier, Plan
-    from sculler.runs.navigation.plan import DAMPING, refuse_contradictions
+    from sculler.runs.navigation.plan import DAMPING
     from sculler_model.frames import AxisMap
 
     axes = AxisMap.parse(options["axes"])
-    refuse_contradictions(options, called=lambda name: f"--{name.replace('_', '-')}")
+    refuse_contradictions(options)
     noise, gravity = sensor_noise(options), gravity_model(options["gravity"])
     if truth is None and not options["attitude_only"]:
         require_place(options)
@@ -332,6 +337,17 @@ def plan(design: Design, vectors: str, truth: Path | None, options: Options) -> 
         calibration=known,
         channel=options["channel"],
     )
+
+
+def refuse_contradictions(options: Options) -> None:
+    """See that a verb's options, of those of the groups above, go together.
+
+    Raises:
+        ContradictionError: two of them do not.
+    """
+    from sculler.runs.navigation import plan
+
+    plan.refuse_contradictions(options, called=lambda name: f"--{name.replace('_', '-')}")
 
 
 def _height_reference(options: Options) -> HeightReference | None:

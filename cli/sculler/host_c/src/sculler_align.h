@@ -22,8 +22,12 @@
 extern "C" {
 #endif
 
-/* Parts of the window in which the noise's spectrum is seen, at most. */
+/* Parts of the window in which the noise's spectrum is seen, and its effect summed up, at most.  A
+ * program that knows the noise may be compiled with fewer, 16u say: a window is smaller then, the
+ * stated covariance quicker and coarser, by up to a tenth, and the attitude the same. */
+#ifndef SCULLER_ALIGN_PARTS
 #define SCULLER_ALIGN_PARTS 128u
+#endif
 #define SCULLER_ALIGN_MODES (SCULLER_ALIGN_PARTS - 2u)
 
 /* What is known of the sensors' errors, one standard deviation, each axis; negative where nothing
