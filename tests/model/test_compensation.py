@@ -25,8 +25,7 @@ from sculler_model.design import (
 from sculler_model.design.matrices import inverse
 from sculler_model.design.size_effect import size_effect
 from sculler_model.errors import InputError
-from sculler_model.fast import FastModel, VectorBlock
-from sculler_model.fast.compensation import FastCompensator
+from sculler_model.fast import FastCompensator, FastModel, VectorBlock
 from sculler_model.frames import STANDARD_GRAVITY
 from sculler_model.golden import GoldenModel
 from sculler_model.host import major_increments

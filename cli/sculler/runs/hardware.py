@@ -165,14 +165,6 @@ def write_hardware(
             "--bus-clock-mhz: the design's bus has no clock of its own, leave the option out or"
             ' give hardware.bus.clock = "separate"'
         )
-    if design.compensation is not None and (packaged or data_sheet):
-        option = "--package" if packaged else "--data-sheet"
-        raise InputError(f"{option}: is not built for a design with compensation, leave it out")
-    if design.channels > 1 and (packaged or data_sheet):
-        option = "--package" if packaged else "--data-sheet"
-        raise InputError(
-            f"{option}: not built for a core with channels, leave it or hardware.channels out"
-        )
     report = None if placed is None else read_report(placed, design)
     generated = generate(design)
     texts = texts_of(generated)

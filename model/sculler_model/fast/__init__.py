@@ -6,11 +6,13 @@
 
 from sculler_model.fast.blocks import VectorBlock, component_limbs
 from sculler_model.fast.channels import FastChannels
+from sculler_model.fast.compensation import FastCompensator
 from sculler_model.fast.model import FastModel, run_fast
 from sculler_model.fast.wide import Integers, WideIntegers, as_integers, from_limbs, limbs_of
 
 __all__ = [
     "FastChannels",
+    "FastCompensator",
     "FastModel",
     "Integers",
     "VectorBlock",

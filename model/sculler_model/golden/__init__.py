@@ -12,6 +12,7 @@ from sculler_model.golden.channel_cycles import (
     ChannelTiming,
 )
 from sculler_model.golden.channels import ChannelModel, ChannelSample
+from sculler_model.golden.compensation import Compensator
 from sculler_model.golden.cycles import (
     COUNTER_BITS,
     COUNTER_MAX,
@@ -45,6 +46,7 @@ __all__ = [
     "ChannelModel",
     "ChannelSample",
     "ChannelTiming",
+    "Compensator",
     "CycleModel",
     "Dropping",
     "GoldenModel",

@@ -36,5 +36,6 @@ def cocotb_bench(contents: Contents, timing: Timing) -> str:
         reset=contents.reset.port,
         resets=int(contents.reset.active_high),
         # clocks without a transfer after which nothing more comes
-        patience=2 * (timing.startup + timing.latency + max(timing.work, default=0)) + 100,
+        patience=2 * (timing.startup + timing.before + timing.latency + max(timing.work, default=0))
+        + 100,
     )

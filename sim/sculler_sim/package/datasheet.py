@@ -120,7 +120,7 @@ def _figures(manifest: Manifest) -> list[tuple[str, str]]:
         ("latency", f"{manifest.latency_clocks} clocks, last sample to result_valid"),
         ("clocks a minor interval", f"{manifest.clocks_per_minor}, at the fastest"),
         ("clocks a result", f"{manifest.clocks_per_major}, at the fastest"),
-        ("between samples", f"{timing.spacing} clocks or more"),
+        ("between samples", f"{timing.samples_apart} clocks or more"),
         ("after reset", f"{timing.startup} clocks until the first sample"),
         *((name.replace("_", " "), f"{count}") for name, count in manifest.resources.items()),
         *((name, f"{getattr(design.words, name).bits} bits") for name in design.vectors),
