@@ -160,3 +160,12 @@ def test_hardening_is_refused_with_one_line() -> None:
         'hardware.hardening: "detect" is not built for core = "pipelined" with algorithm.order = 3:'
         ' leave one out, or give core = "compact"'
     )
+
+
+def test_an_order_without_terms_is_refused_with_one_line() -> None:
+    with pytest.raises(InputError) as caught:
+        plan_pipelined(Design.preset("stim300", order=3, samples=1, history=1, minors=1))
+    assert str(caught.value) == (
+        "algorithm.order: 3 has no terms with samples = 1 and minors = 1, leave it out, or give"
+        ' core = "compact"'
+    )

@@ -78,9 +78,9 @@ class VectorBanks(wiring.Component):
         self._sums(m)
         return m
 
-    def _word(self, m: Module, name: str, clock: int) -> Value:
-        """A field of a step at a clock."""
-        field = Value.cast(self.fields[name])
+    def _word(self, m: Module, name: str, clock: int, bits: int | None = None) -> Value:
+        """A field at a clock, or its lowest bits."""
+        field = Value.cast(self.fields[name])[:bits]
         return SkewedSignal(m, name, field, at_once(len(field), self.plan.fetched)).at_clock(clock)
 
     def _flag(self, m: Module, name: str, clock: int) -> Value:
@@ -147,7 +147,6 @@ class VectorBanks(wiring.Component):
         form = self._word(m, "form", -1)
         forms = {each: form == each.value for each in Form}
         counts = ~(self._word(m, "old", -1) & self.first)
-        is_sample = self._word(m, "sample", -1)
         is_constant = self._word(m, "constant", -1)
         constant = self._constant(m)
         for lane in range(plan.lanes):
@@ -158,7 +157,7 @@ class VectorBanks(wiring.Component):
             left = Mux(forms[Form.FORWARD], axis[1], Mux(forms[Form.BACKWARD], axis[2], axis[0]))
             if samples:
                 sample = self._chosen(lane, -1, samples)
-                left = Mux(is_sample, sample, left.as_signed())
+                left = Mux(self._word(m, "sample", -1), sample, left.as_signed())
             axis = [self._chosen(lane, -1, rights[i:] + rights[:i]) for i in range(3)]
             right = Mux(forms[Form.BACKWARD], axis[1], axis[2])
             left_bits, right_bits = page.left_range.bits, page.right_range.bits
@@ -167,21 +166,26 @@ class VectorBanks(wiring.Component):
                 if name == "left":
                     gated = Signal(signed(bits), name=f"gated_{lane}")
                     m.d.comb += gated.eq(value)
-                    m.d.sync += register.eq(gated & counts.replicate(bits))
+                    m.d.sync += register.eq(gated.as_unsigned() & counts.replicate(bits))
                 else:
                     m.d.sync += register.eq(Mux(is_constant, constant, value.as_signed()))
                 m.d.comb += getattr(self, name)[lane].eq(register)
 
     def _constant(self, m: Module) -> Value:
         """The whole number that a step names, at clock -1."""
-        page = self.plan.page
-        number, constant = self._word(m, "right", -2), Signal(signed(page.right_range.bits))
-        register = Signal.like(constant, name="constant_held", reset_less=True)
-        with m.Switch(number):
-            for i, each in enumerate(page.constants):
-                with m.Case(i):
-                    m.d.comb += constant.eq(each)
-        m.d.sync += register.eq(constant)
+        constants, bits = self.plan.page.constants, self.plan.page.right_range.bits
+        number = self._word(m, "right", -2, (len(constants) - 1).bit_length())
+        is_each = [number == i for i in range(len(constants))]
+        register = Signal(signed(bits), name="constant", reset_less=True)
+        # not a Switch: linters take the words of one that is short for overlapping
+        m.d.sync += register.eq(
+            Cat(
+                Cat(
+                    here for here, each in zip(is_each, constants, strict=True) if each >> bit & 1
+                ).any()
+                for bit in range(bits)
+            )
+        )
         return register
 
     def _written(self, m: Module, side: str, bits: int, vectors: Sequence[str]) -> list[Value]:
@@ -190,7 +194,8 @@ class VectorBanks(wiring.Component):
         loads = len(plan.loads.get(side, ()))
         clock = plan.fetched + plan.store_delay
         stores = self._flag(m, f"store_{side}", clock)
-        address = self._word(m, "store", clock)
+        address_bits = (max(len(vectors), 2) - 1).bit_length()
+        address = self._word(m, "store", clock, address_bits)
         loading = Signal(name=f"loads_{side}")
         if loads:
             m.d.comb += loading.eq(self.loading & (self.load < loads))
@@ -202,13 +207,13 @@ class VectorBanks(wiring.Component):
             total = self.totals[lane]
             if side == "right":
                 total = self._digit(m, total, clock)
-            word = Signal(signed(bits), name=f"{side}_word_{axis}")
+            word = Signal(signed(bits), name=f"{side}_loaded_{axis}")
             m.d.comb += [
-                word.eq(Mux(loading, loaded[axis], total)),
+                word.eq(loaded[axis]),
                 memory.write.eq(loading | (stores & self._axes(lane, plan.whole)[axis])),
                 memory.write_address.eq(Mux(loading, self.load, address)),
-                memory.write_data.eq(word),
-                memory.address.eq(self.fields[side]),
+                memory.write_data.eq(Mux(loading, word.as_unsigned(), total[:bits])),
+                memory.address.eq(self.fields[side][:address_bits]),
             ]
             shown.append(memory.data.as_signed())
         return shown
@@ -216,18 +221,17 @@ class VectorBanks(wiring.Component):
     def _digit(self, m: Module, total: Value, clock: int) -> Value:
         """What of a total is stored on the right: its lowest bits, or a digit."""
         page = self.plan.page
-        bits, stored = page.right_range.bits, Signal(signed(page.right_range.bits))
-        m.d.comb += stored.eq(total)
+        bits = page.right_range.bits
         if page.digit_count == 1:
-            return stored
+            return total[:bits]
         wide = Signal(signed(page.digit_count * page.digit_bits + bits))
         m.d.comb += wide.eq(total)
-        with m.Switch(self._word(m, "store_digit", clock)):
-            for digit in range(page.digit_count):
-                low = digit * page.digit_bits
-                top = digit + 1 == page.digit_count
-                with m.Case(digit + 1):
-                    m.d.comb += stored.eq(wide[low : low + (bits if top else page.digit_bits)])
+        number, stored = self._word(m, "store_digit", clock), total[:bits]
+        for digit in range(page.digit_count):
+            low = digit * page.digit_bits
+            top = digit + 1 == page.digit_count
+            piece = wide[low : low + (bits if top else page.digit_bits)]
+            stored = Mux(number == digit + 1, piece, stored)
         return stored
 
     def _sums(self, m: Module) -> None:

@@ -79,9 +79,14 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
     Then additions are given as much time as the latency goal and the pace of results allow.
 
     Raises:
-        InputError: `hardware.multipliers` are too few for any folding, or an order above 2 is to be
-            hardened.
+        InputError: `hardware.multipliers` are too few for any folding; or an order above 2 is to be
+            hardened, or has no terms.
     """
+    if design.order > 2 and design.samples_per_major == 1:
+        raise InputError(
+            f"algorithm.order: {design.order} has no terms with samples = 1 and minors = 1, leave it"
+            ' out, or give core = "compact"'
+        )
     if design.order > 2 and design.hardware.hardening is not None:
         raise InputError(
             f'hardware.hardening: "{design.hardware.hardening}" is not built for core = "pipelined"'

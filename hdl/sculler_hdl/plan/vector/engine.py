@@ -217,7 +217,7 @@ class VectorEnginePlan:
         stored = max(len(self.left), len(self.right), 2)
         bits = {
             "left": (left - 1).bit_length(),
-            "sample": 1,
+            "sample": int(self.has_samples),
             "old": 1,
             "right": (right - 1).bit_length(),
             "constant": 1,
@@ -233,7 +233,7 @@ class VectorEnginePlan:
             "store_sum": 1,
             "store": (stored - 1).bit_length(),
             "store_sum_at": (max(len(self.sums), 2) - 1).bit_length(),
-            "store_digit": self.page.digit_count.bit_length(),
+            "store_digit": self.page.digit_count.bit_length() * (self.page.digit_count > 1),
             "result": 1,
         }
         return [Field(name, count) for name, count in bits.items() if count]
