@@ -84,8 +84,8 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
     """
     if design.order > 2 and design.samples_per_major == 1:
         raise InputError(
-            f"algorithm.order: {design.order} has no terms with samples = 1 and minors = 1, leave it"
-            ' out, or give core = "compact"'
+            f"algorithm.order: {design.order} has no terms with samples = 1 and minors = 1, leave"
+            ' it out, or give core = "compact"'
         )
     if design.order > 2 and design.hardware.hardening is not None:
         raise InputError(

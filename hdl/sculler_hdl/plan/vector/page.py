@@ -159,8 +159,7 @@ class Page:
         digit: int | None = None,
         grows: bool = False,
     ) -> str:
-        """A letter: the sum of parts, or 0; its ranges are `words`, unless they are known."""
-        parts = parts or (_scaled((0, "sample0")),)
+        """A letter: the sum of parts; its ranges are `words`, unless they are known."""
         if words is not None:
             self._ranges(name, words)
         for i, half in enumerate(HALVES):
