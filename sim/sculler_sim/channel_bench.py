@@ -90,7 +90,7 @@ def channel_bench(design: Design, timing: ChannelTiming, cells: Collection[str])
         "timeout": 10_000 + (samples + len(words) // parts) * slowest,
         "sample_bits": sum(port.bits for port in inputs),
         "result_bits": sum(port.bits for port in outputs),
-        "channel_pad": 32 - inputs[-2].bits,
+        "channel_top": inputs[-2].bits - 1,
         "channel_place": places["sample_channel"],
         "restart_place": f"[{restart[1:].split(':')[0]}]",
         "declarations": "\n".join(declarations(outputs)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import FastChannels, VectorBlock
 from sculler_sim.engine import simulate, trace
+from sculler_sim.engines.verilator_build import Tools
 from sculler_sim.run import RESET
 from sculler_sim.stimulus import Stimulus
 from strategies import DESIGNS, with_hardware
@@ -114,7 +116,7 @@ def test_the_verbs_take_a_log_through_the_core(tmp_path: Path, monkeypatch: pyte
         '[hardware]\ncore = "compact"\nchannels = 2\n'
     )
     rng = np.random.default_rng(4)
-    rows = np.column_stack([rng.integers(0, 2, 60), rng.integers(-(2**23), 2**23, (60, 6))])
+    rows = np.column_stack([rng.integers(0, 2, 24), rng.integers(-(2**23), 2**23, (24, 6))])
     header = "channel,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z\n"
     text = "".join(",".join(map(str, row)) + "\n" for row in rows.tolist())
     Path("log.csv").write_text(header + text)
@@ -171,3 +173,22 @@ def test_the_bench_sees_a_core_that_is_wrong(icarus: None, tmp_path: Path, colum
     done = shell(command, tmp_path)
     assert f"{column}: " in done.stdout
     assert done.stdout.startswith("FAIL")
+
+
+@pytest.mark.parametrize(("name", "hardware"), BENCHES)
+def test_verilators_full_lint_has_nothing_to_say(
+    verilator: Tools, tmp_path: Path, name: str, hardware: dict[str, Any]
+):
+    design = many(name, **hardware)
+    bench_of(design, tmp_path)
+    files = sorted(path.name for path in tmp_path.glob("*.v"))
+    lint = [*verilator.verilator, "--lint-only", "-Wall", "--timing"]
+    done = subprocess.run(
+        [*lint, "--top-module", f"{design.name}_tb", *files],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=verilator.environment,
+    )
+    assert (done.returncode, done.stderr) == (0, "")

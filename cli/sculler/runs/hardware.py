@@ -148,7 +148,7 @@ def write_hardware(
 
     Raises:
         InputError: the folder cannot be made or written to; a package or a page is asked for of a
-            design with compensation; a clock rate that is none, is not the front end's; that or a
+            design with channels; a clock rate that is none, is not the front end's; that or a
             board is given without a package; no such board, or the design is none for it; the extra
             `package` is not installed; no report of this design.
         ToolError: the core, simulated for the page, is not as the cycle model says.
@@ -164,6 +164,11 @@ def write_hardware(
         raise InputError(
             "--bus-clock-mhz: the design's bus has no clock of its own, leave the option out or"
             ' give hardware.bus.clock = "separate"'
+        )
+    if design.channels > 1 and (packaged or data_sheet):
+        option = "--package" if packaged else "--data-sheet"
+        raise InputError(
+            f"{option}: not built for a core with channels, leave it or hardware.channels out"
         )
     report = None if placed is None else read_report(placed, design)
     generated = generate(design)

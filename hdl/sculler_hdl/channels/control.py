@@ -133,7 +133,7 @@ class ChannelControl(wiring.Component):
                 now.phase.eq(Mux(fresh, 0, found.phase)),
                 now.minor.eq(Mux(fresh, 0, found.minor)),
                 now.major.eq(Mux(fresh, 0, found.major)),
-                now.slot.eq(Mux(fresh, 0, found.slot + 1)),
+                now.slot.eq(Mux(fresh, 0, _sum(found.slot, 1))),
                 now.fault.eq(fault | (found.fault & ~fresh)),
                 now.lost.eq((found.lost & ~fresh) | lost),
                 now.rail.eq(found.rail & ~fresh),
@@ -172,8 +172,12 @@ class ChannelControl(wiring.Component):
         ]
         m.d.sync += [
             pending.eq((self.loaded | pending) & ~go),
-            owed.eq(owed + (self.launch & wanted) - self.result_taken),
         ]
+        more = self.launch & wanted
+        with m.If(more & ~self.result_taken):
+            m.d.sync += owed.eq(_sum(owed, 1))
+        with m.Elif(~more & self.result_taken):
+            m.d.sync += owed.eq(owed - 1)
         with m.If(self.take):
             m.d.sync += held.eq(1)
         with m.Elif(go | absent.at_clock(0)):
@@ -182,7 +186,7 @@ class ChannelControl(wiring.Component):
         clearing = Signal(init=1)
         self.clearing, self.initial = clearing, initial
         with m.If(clearing):
-            m.d.sync += initial.eq(initial + 1)
+            m.d.sync += initial.eq(_sum(initial, 1))
             with m.If(initial == design.channels - 1):
                 m.d.sync += clearing.eq(0)
         m.d.comb += self.waits.eq(self.take | held | clearing)
@@ -194,11 +198,12 @@ class ChannelControl(wiring.Component):
         largest = max(design.short_majors, 1)
         last, ends = now.phase == design.algorithm.samples - 1, self.conditions.major_end
         following = Signal(self.layout)
+        more = ends & (now.major != largest)
         m.d.comb += [
             following.started.eq(1),
-            following.phase.eq(Mux(last, 0, now.phase + 1)),
-            following.minor.eq(Mux(ends, 0, now.minor + last)),
-            following.major.eq(now.major + (ends & (now.major != largest))),
+            following.phase.eq(Mux(last, 0, _sum(now.phase, 1))),
+            following.minor.eq(Mux(ends, 0, _sum(now.minor, last))),
+            following.major.eq(Mux(more, _sum(now.major, 1), now.major)),
             following.slot.eq(now.slot),
             following.fault.eq(now.fault & ~ends),
             following.lost.eq(now.lost & ~ends),
@@ -218,3 +223,8 @@ class ChannelControl(wiring.Component):
             m.d.comb += self.losses.write_address.eq(self.initial)
         with m.Elif(self.lose):
             m.d.comb += self.losses.write_address.eq(self.lost_channel)
+
+
+def _sum(value: Value, more: Value | int) -> Value:
+    """The sum, modulo what the value's bits hold."""
+    return (value + more)[: len(value)]

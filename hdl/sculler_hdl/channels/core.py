@@ -6,7 +6,7 @@ sample ─▶ ChannelLoader ─▶ sample memory ─▶ Engine ─▶ result mem
 
 from __future__ import annotations
 
-from amaranth import Array, Cat, Module, Signal
+from amaranth import C, Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 
 from sculler_hdl.channels.control import ChannelControl
@@ -120,13 +120,14 @@ class ChannelCore(wiring.Component):
 
     def _tell_owners(self, m: Module, engine: Engine, reader: Reader) -> None:
         """Whose the result in each bank is."""
-        owners = Array(
-            Signal(channel_bits(self.design), name=f"owner{bank}", reset_less=True)
-            for bank in range(1 << reader.bank_bits)
-        )
-        with m.If(engine.publish):
-            m.d.sync += owners[reader.filling].eq(engine.owner)
-        m.d.comb += self.result_channel.eq(owners[reader.address[-reader.bank_bits :]])
+        shown = reader.address[-reader.bank_bits :]
+        told: Value = C(0)
+        for bank in range(self.plan.sizes.result_banks):
+            owner = Signal(channel_bits(self.design), name=f"owner{bank}", reset_less=True)
+            with m.If(engine.publish & (reader.filling == bank)):
+                m.d.sync += owner.eq(engine.owner)
+            told = Mux(shown == bank, owner, told)
+        m.d.comb += self.result_channel.eq(told)
 
     def _count_losses(self, m: Module, control: ChannelControl) -> None:
         """A sample whose offer is withdrawn marks the channel that was offered, and is counted."""

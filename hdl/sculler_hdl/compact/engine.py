@@ -205,11 +205,10 @@ class Engine(wiring.Component):
                 self.present.eq(self.conditions),
             ]
             if self.banks.own:
-                m.d.sync += self.owner.eq(self.channel)
-                with m.Switch(self.phase):
-                    for phase, start in code.starts.items():
-                        with m.Case(phase - 1):
-                            m.d.sync += counter.eq(start)
+                (_, start), *others = code.starts.items()
+                for phase, another in others:
+                    start = Mux(self.phase == phase - 1, another, start)
+                m.d.sync += [self.owner.eq(self.channel), counter.eq(start)]
         with m.If(ControlDelay(m, "launched", self.launch).at_clock(2)):
             m.d.sync += self.rail.eq(self.at_rail)
         m.d.comb += self.publish.eq(self.step & word.publish & self.present.major_end)
