@@ -22,6 +22,12 @@ _ABOUT = (
 )
 
 
+CROWDED = (
+    " Other programs had most of the processors meanwhile, so look at the processor time, not at"
+    " the clock."
+)
+
+
 @click.command(
     epilog=terminal.examples(
         "python -m studies.campaigns",
@@ -91,7 +97,7 @@ def document(each: Sequence[Timed], whole: Timed) -> str:
                 f" {three_digits(whole.samples)} samples, {three_digits(whole.a_sample)} µs of"
                 " processor time each. A thousand flights of ten minutes are"
                 f" {three_digits(free_minutes(whole, 2))} minutes of two processors that do nothing"
-                " else."
+                " else." + (CROWDED if whole.busy < 0.5 else "")
             ),
             "",
             *documents.table(

@@ -18,6 +18,7 @@ pytest.importorskip("scipy")
 pytest.importorskip("pyarrow")
 
 from sculler.runs.campaign import Campaign
+from sculler.runs.campaign.engine import runs_together
 from sculler.runs.campaign.flights import COLUMNS, fly
 from sculler.runs.campaign.statistics import Statistics
 
@@ -54,6 +55,17 @@ def results(folder: Path) -> dict[str, np.ndarray]:
 
     table = pq.read_table(folder / "results.parquet")
     return {name: table[name].to_numpy() for name in COLUMNS}
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3, 16])
+@pytest.mark.parametrize("runs", [1, 7, 40, 250, 1000])
+def test_no_worker_has_more_to_do_than_another(runs: int, workers: int) -> None:
+    """But for a run a batch, which cannot be parted."""
+    together = runs_together(runs, workers)
+    assert 1 <= together <= 50
+    batches = -(-runs // together)
+    rounds = -(-batches // workers)
+    assert rounds * together <= -(-runs // workers) + rounds
 
 
 def test_a_run_depends_on_its_seed_alone(tmp_path: Path) -> None:

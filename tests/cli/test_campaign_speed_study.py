@@ -31,6 +31,9 @@ def test_the_page_tells_what_was_measured() -> None:
     assert "| 1 | 100 | 2 | 50 | 1.00 | 0.983 | 0.98 |" in text
     assert "| 2 | 100 | 1.07 | 93.8 | 1.88 | 1 | 0.94 |" in text
     assert "| 2 | 1,000 | 10.5 | 95.2 | 1.90 | 1 | 0.95 |" in text
+    assert command.CROWDED not in one_line(text)
+    crowded = Timed(2, 1000, 600.0, 3000.0, 1200.0, "b")
+    assert command.CROWDED in one_line(command.document([ONE], crowded))
     assert "are identical, bit for bit" in one_line(text)
     other = command.document([ONE, Timed(2, 100, 600.0, 64.0, 120.0, "c")], WHOLE)
     assert "are **not** identical" in one_line(other)

@@ -19,6 +19,16 @@ from sculler_model.errors import InputError
 Rows = Mapping[str, NDArray[Any]]
 
 
+MOST_TOGETHER = 50
+"""Runs of a batch."""
+
+
+def runs_together(runs: int, workers: int) -> int:
+    """Runs of a batch, so that each worker gets as many batches as any other, and two or more."""
+    each = max(2, -(-runs // (MOST_TOGETHER * workers)))
+    return -(-runs // (each * workers))
+
+
 class Batch(NamedTuple):
     """Runs that one worker does together.
 

@@ -22,6 +22,7 @@ from sculler.runs.campaign.engine import (
     by_scheduler,
     in_processes,
     in_this_process,
+    runs_together,
 )
 from sculler.runs.campaign.flights import COLUMNS
 from sculler.runs.campaign.hardware import Held
@@ -33,7 +34,6 @@ from sculler_model.outputs import replacing
 
 Rows = Mapping[str, NDArray[Any]]
 
-_MOST_TOGETHER = 50  # runs of a batch
 _NOTE = "campaign.json"
 _KINDS = [Column(name, "int64" if name in ("design", "seed") else "float64") for name in COLUMNS]
 
@@ -197,8 +197,8 @@ def _done(campaign: Campaign, parts: Path) -> list[set[int]]:
 
 
 def _missing(campaign: Campaign, there: Sequence[set[int]], workers: int) -> Iterator[Batch]:
-    """The runs that are not done, in batches that keep all workers busy."""
-    together = max(1, min(_MOST_TOGETHER, -(-campaign.tables.runs // (2 * workers))))
+    """The runs that are not done, in batches that keep all workers busy to the end."""
+    together = runs_together(campaign.tables.runs, workers)
     for design, done in enumerate(there):
         first, many = 0, 0
         for seed in campaign.seeds:
