@@ -17,7 +17,7 @@ import click
 
 from sculler.process import Ended, any_encoding, signals_raise
 from sculler.verbs import VerbGroup
-from sculler_model import inputs
+from sculler_model import inputs, machine_code
 
 VERBS = (
     "coefficients",
@@ -65,6 +65,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Args:
         arguments: the words after `sculler`; left out, those of the process.
     """
+    if arguments is None:
+        machine_code.alone()
     return run_command(cli, arguments, "sculler")
 
 

@@ -57,6 +57,10 @@ def run(tree: Path, arguments: Sequence[str]) -> None:
 
 
 def environment(tree: Path) -> dict[str, str]:
-    """The environment in which an interpreter finds a tree's packages first."""
+    """The environment in which an interpreter finds a tree's packages first.
+
+    It keeps the bytecode of what it imports, as an installation has it.
+    """
     rooms = os.pathsep.join(str(tree / room) for room in ("model", "hdl", "sim", "cli"))
-    return {**os.environ, "PYTHONPATH": rooms}
+    surroundings = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    return {**surroundings, "PYTHONPATH": rooms}

@@ -17,6 +17,18 @@ from studies.bench import before
 from studies.bench.contest import Contest
 
 DESIGN, SECONDS = "stim300", 3600.0
+_LOAD = """
+from sculler_model import machine_code
+machine_code.alone()
+import sculler.main, sculler.runs.navigation
+from sculler_model.host import MajorIncrements
+from sculler_model.navigation import Navigator, NavState
+import numpy as np
+start = NavState(0.0, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.8, 0.2, 0.0)
+Navigator(start, 0.01).run(MajorIncrements(*np.zeros((3, 9, 3))), compiled=True)
+"""
+"""What `navigate` cannot do without, whatever the log: it bounds the ratio that it may reach."""
+
 _PLACE = ("--lat", "48", "--lon", "11", "--height", "500", "--heading", "60")
 
 
@@ -45,12 +57,16 @@ class Side(NamedTuple):
         files = [self.file("vectors"), "-o", self.file("states")]
         self._run("navigate", DESIGN, *files, "--no-plots", *options)
 
+    def load(self) -> None:
+        """Start, and load what is compiled for `navigate`, for nothing."""
+        before.run(self.tree, ["-c", _LOAD])
+
     def _run(self, *words: str) -> None:
         before.run(self.tree, ["-m", "sculler", *words])
 
 
 def contests(folder: Path, seconds: float = SECONDS) -> list[Contest]:
-    """`motion` of a flight and of a shaken turn, `navigate` with and without a truth.
+    """`motion` of a flight and of a shaken turn; `navigate` with a truth, without, and its start.
 
     Args:
         folder: for the files.
@@ -66,14 +82,24 @@ def contests(folder: Path, seconds: float = SECONDS) -> list[Contest]:
         side.motion("flight", seconds, "log", "truth")
         side.model()
     held: list[tuple[str, int, str, float | None, Callable[[Side], None]]] = []
-    for name, goal in (("flight", 6.0), ("demo", None)):
+    for name, goal in (("flight", 6.0), ("demo", 6.0)):
         job = partial(Side.motion, name=name, seconds=seconds, log="written", truth="written-truth")
         held.append((f"motion {name}", round(2000 * seconds), "samples", goal, job))
     updates = round(100 * seconds)
     held.append(("navigate", updates, "updates", 8.0, lambda side: side.navigate(*_PLACE)))
+    bare = Contest(
+        "start and loading alone",
+        f"navigate of {before.BEFORE}, csv",
+        1,
+        "starts",
+        ours.load,
+        partial(theirs.navigate, *_PLACE) if theirs else None,
+        None,
+        missing,
+    )
     truth = ("navigate --truth", updates, "updates", None)
     held.append((*truth, lambda side: side.navigate("--truth", side.file("truth"))))
-    return [
+    return [bare] + [
         Contest(
             f"{name}, {kind}",
             f"{before.BEFORE}, csv",

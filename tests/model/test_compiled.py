@@ -261,3 +261,20 @@ def test_the_quaternions_keep_their_length() -> None:
     assert max(worst) < 5e-16
     place = navigator._stepping.level.place
     assert abs(sum(c * c for c in place) - 1) < 1e-15
+
+
+def test_a_process_of_our_own_loads_numba_without_scipy() -> None:
+    """In a process of its own; what is compiled runs, and SciPy can be imported afterwards."""
+    pytest.importorskip("numba")
+    pytest.importorskip("scipy")
+    script = """
+import sys
+from sculler_model import machine_code
+machine_code.alone()
+from sculler_model.navigation import compiled_run
+assert compiled_run() is not None
+assert "numba.np.arraymath" in sys.modules
+assert not [name for name in sys.modules if name.startswith("scipy")]
+import scipy.linalg
+"""
+    subprocess.run([sys.executable, "-c", script], check=True)
