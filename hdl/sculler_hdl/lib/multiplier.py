@@ -66,9 +66,20 @@ def emit_multiplier(
     right: SkewedSignal,
     *,
     primitive: bool,
+    read: int | None = None,
 ) -> list[Value]:
-    """Put a product's blocks and rows into a module; the values of `plan.addends`."""
-    blocks = _emit_blocks(m, name, plan, left, right, primitive=primitive)
+    """Put a product's blocks and rows into a module; the values of `plan.addends`.
+
+    Args:
+        m: the module.
+        name: of the product.
+        plan: its plan.
+        left, right: the operands.
+        primitive: whether to instantiate the target's multiplier blocks.
+        read: bits of the product that are added up, where that is to be told in the names of
+            registers that have more, for linters to let them pass.
+    """
+    blocks = _emit_blocks(m, name, plan, left, right, primitive=primitive, read=read)
     return [*blocks, *_emit_rows(m, name, plan, left, right)]
 
 
@@ -80,6 +91,7 @@ def _emit_blocks(
     right: SkewedSignal,
     *,
     primitive: bool,
+    read: int | None,
 ) -> list[Value]:
     values: list[Value] = []
     names = plan.block_names(name)
@@ -93,7 +105,9 @@ def _emit_blocks(
         )
         m.d.comb += [block.left.eq(first), block.right.eq(second)]
         # the block may stand far from the adder: the way there has a clock of its own
-        behind = Signal.like(block.output, name=f"{block_name}_product", reset_less=True)
+        more = read is not None and addend.low + len(block.output) > read
+        register_name = f"{block_name}_product{'_unused_above' * more}"
+        behind = Signal.like(block.output, name=register_name, reset_less=True)
         m.d.sync += behind.eq(block.output)
         values.append(behind)
     return values

@@ -46,15 +46,26 @@ class CrossArray(wiring.Component):
         lead: clocks by which its flags come earlier, for they have far to go.
         primitive: whether to instantiate the target's multiplier blocks.
         inverted: how `last` is held (`ControlDelay`), to keep it apart from another array's.
+        tell_unread: whether names tell of bits of products that no total has (`emit_multiplier`).
+            Texts of second order have gone without.
     """
 
     def __init__(
-        self, plan: CrossArrayPlan, lead: int = 0, *, primitive: bool = True, inverted: bool = False
+        self,
+        plan: CrossArrayPlan,
+        lead: int = 0,
+        *,
+        primitive: bool = True,
+        inverted: bool = False,
+        tell_unread: bool = False,
     ) -> None:
         self.plan = plan
         self.lead = lead
         self.primitive = primitive
         self.inverted = inverted
+        self.read = None
+        if tell_unread:
+            self.read = max(item.result.bits for item in plan.sums.values())
         super().__init__(
             {
                 "launch": In(1),
@@ -106,7 +117,9 @@ class CrossArray(wiring.Component):
                 left = operands.seen("left", pair, a, b, lane)
                 right = operands.seen("right", pair, b, a, lane)
                 name = plan.unit_name(pair, lane, number)
-                found += emit_multiplier(m, name, multiplier, left, right, primitive=self.primitive)
+                found += emit_multiplier(
+                    m, name, multiplier, left, right, primitive=self.primitive, read=self.read
+                )
             values.append(found)
         return values
 

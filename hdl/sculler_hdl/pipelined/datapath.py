@@ -179,6 +179,7 @@ class Datapath:
             self.schedule.launches[place],
             primitive=self.primitive,
             inverted=INVERTED[place],
+            tell_unread=self.schedule.engine is not None,
         )
         m.d.comb += [array.launch.eq(launch), array.last.eq(self.sequencer.major_end)]
         for name, components in zip(plan.operands, operands, strict=True):

@@ -51,7 +51,8 @@ class VectorLane(wiring.Component):
         made, adder = plan.multiplier, plan.accumulator
         left = SkewedSignal(m, "left", self.left, made.left_arrival)
         right = SkewedSignal(m, "right", self.right, made.right_arrival)
-        terms = emit_multiplier(m, "unit", made, left, right, primitive=self.primitive)
+        read = plan.product.result.bits
+        terms = emit_multiplier(m, "unit", made, left, right, primitive=self.primitive, read=read)
         product = emit_adder_tree(m, "product", plan.product, terms)
         subtract = ControlDelay(m, "subtract", self.subtract)
         m.submodules.total = total = Accumulator(adder)
