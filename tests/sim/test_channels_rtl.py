@@ -142,7 +142,7 @@ BENCHES: list[Any] = [
         for name, hardware in (
             ("smallest", {"channels": 3, "target": "ice40", "initial": False}),
             ("taylor_3p3", {"channels": 5, "target": "ecp5"}),
-            ("stim300_4x5", {"channels": 100}),
+            ("stim300_4x5", {"channels": 100}),  # memories without initial values
         )
     ),
 ]

@@ -39,6 +39,7 @@ def component_verilog(
     *,
     whole: str = "all of it",
     initial: bool = True,
+    blank: bool = False,
     trees: bool = False,
 ) -> str:
     """The text of NAME.v: the component's module and its parts, NAME_PART.
@@ -51,6 +52,7 @@ def component_verilog(
         about: lines of the comment at the head, in ASCII; a list of the ports follows them.
         whole: what stands in the one file.
         initial: whether registers and memories get initial values.
+        blank: whether large memories of zeros do without.
         trees: whether a choice of many, as of a state machine, is written as choices of two; as
             one `casez` it overlaps in Verilator's eyes.
 
@@ -58,7 +60,7 @@ def component_verilog(
         ToolError: Yosys failed.
     """
     names = [port.name for port in ports]
-    modules = _modules(component, name, names, initial=initial, trees=trees)
+    modules = _modules(component, name, names, initial=initial, blank=blank, trees=trees)
     return wrapped("\n".join([_header(about, ports, whole), *modules, _END]))
 
 
@@ -85,7 +87,13 @@ def rare_collection() -> Iterator[None]:
 
 
 def _modules(
-    component: wiring.Component, name: str, ports: Sequence[str], *, initial: bool, trees: bool
+    component: wiring.Component,
+    name: str,
+    ports: Sequence[str],
+    *,
+    initial: bool,
+    blank: bool,
+    trees: bool,
 ) -> list[str]:
     """The text of each module, the component's first."""
     elaborated = Elaborated(component)
@@ -121,6 +129,7 @@ def _modules(
                     if cell.block
                 },
                 initial=initial,
+                blank=blank,
                 copied=not own and parts[first[each]].kind in _COPIED,
             )
         )

@@ -63,6 +63,7 @@ def generate(design: Design) -> Generated:
             _about(design, core.timing),
             whole="the whole core",
             initial=design.has_initial_values,
+            blank=design.channels > 1,
         )
     checksum = hashlib.sha256(verilog.encode()).hexdigest()
     manifest = make_manifest(core, checksum)

@@ -86,6 +86,7 @@ def tidy(
     apart: Collection[str] = (),
     blocks: Mapping[str, str] = MappingProxyType({}),
     initial: bool = True,
+    blank: bool = False,
     copied: bool = False,
 ) -> str:
     """A module with its ports in its head.
@@ -97,6 +98,7 @@ def tidy(
         apart: registers that synthesis is not to make one with equal ones.
         blocks: which of `BLOCK_ATTRIBUTES` memories are that are meant for block memory, by name.
         initial: whether registers and memories get their initial values.
+        blank: whether those of large memories are left out where all are 0.
         copied: whether synthesis is to leave its instances as they are, though they are alike.
     """
     found = _MODULE.fullmatch(module)
@@ -134,7 +136,9 @@ def tidy(
     body = re.sub(r"^  function (?=\[)", "  function automatic ", "\n".join(rest), flags=re.M)
     body = _keeping(body, apart)
     if not initial:
-        body = re.sub(r"^  initial begin\n.*?^  end\n", "", body, flags=re.M | re.S)
+        body = _STARTS.sub("", body)
+    elif blank:
+        body = _STARTS.sub(lambda found: "" if _is_blank(found[0]) else found[0], body)
     listed = ",\n".join(f"  {heads[port]}" for port in order)
     lines = [
         *(f"// {line}".rstrip() for line in note),
@@ -154,3 +158,14 @@ def _keeping(body: str, apart: Collection[str]) -> str:
         return f"  (* keep *) {found[0].lstrip()}" if found["name"] in apart else found[0]
 
     return _REGISTER.sub(marked, body) if apart else body
+
+
+_STARTS = re.compile(r"^  initial begin\n.*?^  end\n", re.M | re.S)
+"""What a memory holds at first, a line a word."""
+
+_LARGE = 1024  # words, whose zeros synthesis takes minutes to read
+
+
+def _is_blank(block: str) -> bool:
+    """Whether it is the zeros of a large memory."""
+    return block.count("\n") > _LARGE and not re.search(r"'h0*[1-9a-f]", block)
