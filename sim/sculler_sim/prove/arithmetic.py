@@ -80,7 +80,9 @@ def write_arithmetic_problem(
     sources, clocks = write_core(design, folder, verilog), clocks_for(design, results)
     lines = checker(design, results, clocks)
     top = top_module(design.name, module_ports(design), lines, properties=False)
-    (folder / "top.v").write_text(at_full_pace(top), encoding="utf-8")
+    # a core that drops results would drop some of these: the next interval's samples wait
+    offered = "made == taken" if design.drops_results else "1'd1"
+    (folder / "top.v").write_text(at_full_pace(top, offered), encoding="utf-8")
     run_yosys(folder, _WRITE.format(sources=sources, top=TOP, to_gates=TO_GATES, label=LABEL))
     return clocks
 
@@ -106,11 +108,12 @@ def settle_arithmetic(
     return Outcome(verdict, clocks, time.monotonic() - begun)
 
 
-def at_full_pace(top: str) -> str:
-    """The top with the handshakes' inputs tied."""
-    for name, value in (("rst", 0), ("sample_valid", 1), ("result_ready", 1)):
+def at_full_pace(top: str, offered: str = "1'd1") -> str:
+    """The top with the handshakes' inputs tied; samples are offered where `offered` is high."""
+    for name, value in (("rst", "1'd0"), ("sample_valid", offered), ("result_ready", "1'd1")):
         top = top.replace(f"input [0:0] {name}", f"input [0:0] free_{name}")
-        top = top.replace(");\n", f");\n  wire {name} = 1'd{value};\n", 1)
+        top = top.replace(");\n", f");\n  wire {name};\n", 1)
+        top = top.replace("endmodule", f"  assign {name} = {value};\nendmodule", 1)
     return top
 
 
