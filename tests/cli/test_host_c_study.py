@@ -30,7 +30,7 @@ def test_a_processor_is_measured(key: str) -> None:
     assert 300 < found.data[0] < 600 < found.stack < 4096
     assert 300 < found.bound[0] < found.stack + 2048
     assert 1024 < found.bound[1] < 8192
-    assert sum(found.code[:2]) < found.whole + 4096
+    assert found.code[1] < found.whole < 64 * 1024  # the memory of the chip of `sculler soc`
     if one.double:
         assert found.update <= GOAL_INSTRUCTIONS
         assert found.whole <= GOAL_BYTES

@@ -76,7 +76,16 @@ def test_the_bench_passes_with_the_properties_bound(verilator, design, tmp_path)
         if text != whole:  # the bench sees it, too, and is not to end the run
             bench.write_text(goes_on)
         made = verilator(
-            *("--binary", "--timing", "--assert", "-CFLAGS", "-std=c++20 -O0", "-Wno-fatal"),
+            *(
+                "--binary",
+                "--timing",
+                "--output-split",
+                "0",
+                "--assert",
+                "-CFLAGS",
+                "-std=c++20 -O0",
+                "-Wno-fatal",
+            ),
             *("--Mdir", str(tmp_path / "made"), "--top-module", f"{design.name}_tb"),
             *(str(bench), *files),
         )

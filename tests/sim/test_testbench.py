@@ -52,6 +52,21 @@ def test_verilators_full_lint_has_nothing_to_say(verilator, design, tmp_path):
 
 
 @pytest.mark.deep
+def test_verilators_command_compiles_a_large_core(verilator, tmp_path):
+    """Verilator must not split what it writes: its packages on PyPI cannot compile the parts."""
+    if shutil.which("make") is None:
+        pytest.skip("make is not installed")
+    design = with_hardware(DESIGNS["stim300_4x5"], target="ecp5")
+    compile_, run = verilator_command(
+        verilator, bench_of(design, tmp_path, LEAST)["verilator"]
+    ).split(" && ")
+    quick = {"VERILATOR_ROOT": str(verilator.root), "MAKEFLAGS": "OPT_FAST=-O0 OPT_GLOBAL=-O0"}
+    built = shell(compile_, tmp_path, **quick)
+    assert built.returncode == 0, built.stderr
+    assert shell(run, tmp_path).stdout.startswith("PASS: ")
+
+
+@pytest.mark.deep
 def test_the_readmes_command_runs_in_verilator(verilator, tmp_path):
     command = verilator_command(verilator, bench_of(DESIGNS["smallest"], tmp_path)["verilator"])
     compile_, run = command.split(" && ")
