@@ -11,6 +11,7 @@
 #   make campaigns docs/explanation/campaign-speed.md: how long a thousand flights take, half an hour
 #   make budget    docs/explanation/error-budget.md: error budgets of 1 and 0.1 nmi/h flown, some minutes
 #   make buses     docs/explanation/bus-area.md: area and rate of each bus, some minutes
+#   make channels  docs/explanation/channels.md: area and rate of a core with 1 to 1024 channels, some minutes
 #   make memories  docs/explanation/memories.md: which memories become block memory, some minutes
 #   make host-c    docs/explanation/host-in-c-targets.md: the host in C for small processors, a minute
 #   make soc       docs/explanation/chip.md: the whole chip flies a log in Verilator, and is placed; ten minutes
@@ -30,7 +31,7 @@ READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware budget campaigns buses memories host-c soc upsets evidence prove mutate release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware budget campaigns buses channels memories host-c soc upsets evidence prove mutate release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY) $(TOOLS)
@@ -141,6 +142,9 @@ budget: $(READY)
 
 buses: $(READY)
 	$(BIN)/python -m studies.bus
+
+channels: $(READY)
+	$(BIN)/python -m studies.channels
 
 memories: $(TOOLS)
 	$(BIN)/python -m studies.memories

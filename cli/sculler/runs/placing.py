@@ -159,6 +159,8 @@ def place_core(
             limit is over.
         ToolError: a tool fails.
     """
+    if plan.check and plan.design.channels > 1:
+        raise InputError("--check: not built for a core with channels, leave it out")
     stage = _Stage(tell)
     with _limited(plan.time_limit_s, stage):
         return _place_core(plan, advance, stage)

@@ -1,0 +1,113 @@
+"""The command line of `python -m studies.channels`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from textwrap import fill
+
+import click
+
+from sculler import terminal
+from sculler_hdl import timing
+from sculler_model.errors import InputError
+from sculler_model.outputs import make_folder, replacing
+from studies import documents
+from studies.channels.measure import UNITS, Measured, design_of, measure
+
+PAGE = "channels.md"
+
+_ABOUT = (
+    "The compact core of the preset `stim300` (four samples, five minor intervals) with `channels`,"
+    " in an ECP5 of speed grade 6, by Yosys and nextpnr, one seed. *Samples* are what it takes in"
+    " the long run at the rate found, of all channels together; *each* is what that leaves for a"
+    " channel, all alike. What is a channel's own stands in block memory (DP16KD, 18 kbit each);"
+    " the logic grows by what chooses among the blocks. A memory of up to 2048 words uses the block's"
+    " own output register. A larger one is what synthesis makes of it, without that register and"
+    " with the choice behind it: hence the fall of the rate from 64 channels on."
+)
+
+_HEAD = "| C | device | LUT4 | registers | DP16KD | MHz | samples/s | each, Hz | start-up, clocks |"
+
+
+@click.command(
+    epilog=terminal.examples(
+        f"python -m studies.channels -o {documents.PAGES}", "python -m studies.channels --only 16"
+    )
+)
+@documents.folder_option(PAGE)
+@click.option(
+    "--only",
+    "counts",
+    multiple=True,
+    type=int,
+    metavar="C",
+    help="Channels of the rows that are shown, and not written; several times for several.",
+)
+def command(folder: Path, counts: tuple[int, ...]) -> None:
+    """Place and route cores with 1 to 1024 channels, write channels.md."""
+    known = {channels for _, _, these in UNITS.values() for channels in these}
+    for channels in counts:
+        if channels not in known:
+            listed = ", ".join(map(str, sorted(known)))
+            raise InputError(f"--only {channels}: not in the table, give one of {listed}")
+    rows = [
+        (unit, channels)
+        for unit, (_, _, these) in UNITS.items()
+        for channels in these
+        if not counts or channels in counts
+    ]
+    with terminal.progress("placing", len(rows)) as advance:
+        found = [measure(unit, channels, advance) for unit, channels in rows]
+    if counts:
+        terminal.report({}, False, "\n".join(table(found)))
+        return
+    path = make_folder(folder) / PAGE
+    with replacing(path) as temporary:
+        temporary.write_text(document(found), encoding="utf-8")
+    terminal.report({}, False, f"wrote {terminal.verbatim(path)}")
+
+
+def table(found: Sequence[Measured]) -> list[str]:
+    """The rows, in Markdown."""
+    lines = [
+        _HEAD,
+        "|---:|---|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    for one in found:
+        placed = one.placement
+        start = timing(design_of(one.unit, one.channels)).startup
+        lines.append(
+            f"| {one.channels} | {placed.device.split()[0]} | {placed.area.luts}"
+            f" | {placed.area.flip_flops} | {placed.area.memories} | {placed.fmax_mhz or 0:.0f}"
+            f" | {placed.samples_per_second or 0:,.0f} | {one.each_hz:,.0f} | {start} |"
+        )
+    return lines
+
+
+def served(found: Sequence[Measured]) -> str:
+    """Which of the units' rates are reached."""
+    told = []
+    for unit, (_, rate, _) in UNITS.items():
+        most = [one for one in found if one.unit == unit and one.each_hz >= rate]
+        if most:
+            largest = max(most, key=lambda one: one.channels)
+            told.append(
+                f"{largest.channels} of the kind *{unit}* at {rate:,.0f} Hz in an"
+                f" {largest.placement.device.split()[0]}"
+            )
+    return f"The largest rows that reach their unit's rate: {'; '.join(told)}." if told else ""
+
+
+def document(found: Sequence[Measured]) -> str:
+    """The page."""
+    lines = ["# One core for many sensors", "", "<!-- written by `python -m studies.channels` -->"]
+    lines += ["", fill(_ABOUT, documents.WIDTH), "", fill(served(found), documents.WIDTH), ""]
+    for unit in UNITS:
+        lines += [f"## {unit}", *table([one for one in found if one.unit == unit]), ""]
+    lines += [
+        "[How to use it](../how-to/many-sensors.md);"
+        " [the port contract](../reference/verilog.md#channels).",
+        "",
+    ]
+    return "\n".join(lines)
