@@ -22,9 +22,9 @@ _ABOUT = (
     " in an ECP5 of speed grade 6, by Yosys and nextpnr, one seed. *Samples* are what it takes in"
     " the long run at the rate found, of all channels together; *each* is what that leaves for a"
     " channel, all alike. What is a channel's own stands in block memory (DP16KD, 18 kbit each);"
-    " the logic grows by what chooses among the blocks. A memory of up to 2048 words uses the block's"
-    " own output register. A larger one is what synthesis makes of it, without that register and"
-    " with the choice behind it: hence the fall of the rate from 64 channels on."
+    " the logic grows by what chooses among the blocks. A memory of up to 2048 words uses the"
+    " block's own output register. A larger one is what synthesis makes of it, without that"
+    " register and with the choice behind it: hence the fall of the rate from 64 channels on."
 )
 
 _HEAD = "| C | device | LUT4 | registers | DP16KD | MHz | samples/s | each, Hz | start-up, clocks |"
