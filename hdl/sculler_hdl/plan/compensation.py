@@ -182,8 +182,9 @@ class CompensationStage:
 
     @cached_property
     def limb(self) -> Limbs:
-        """How sums are cut: into the shortest limbs, for there is time."""
-        return evenly(self.sums.bits, min(self.target.limb_bits), 2)
+        """How sums are cut: limbs that are neither slow nor many, for those ask for registers."""
+        lengths = self.target.limb_bits
+        return evenly(self.sums.bits, lengths[len(lengths) // 2])
 
     @cached_property
     def multiplier(self) -> MultiplierPlan:
