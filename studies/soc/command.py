@@ -27,7 +27,7 @@ def command(folder: Path, only_flight: bool) -> None:
     """Fly the chip in Verilator, place and route it in two ECP5, write chip.md and its picture.
 
     Needs the extras soc, sim and place, and riscv64-unknown-elf-gcc with picolibc.  It takes some
-    ten minutes.
+    half an hour.
     """
     with terminal.progress("flying", None):
         flight = measure()

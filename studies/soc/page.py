@@ -175,18 +175,19 @@ def further_table(more: Sequence[Further]) -> Iterator[str]:
     yield documents.paragraph(
         "Where the processor is too slow an update takes longer than the interval: the core drops"
         " results, the next one's `major` tells how many, and the navigation coasts over them."
+        " After a fine alignment results have waited too long: placeholders stand for samples, so"
+        " what comes then is not the model's of the log, and is flagged."
     )
-    yield ""
     for one in more:
         if one.aligned is not None:
             apart, clocks = one.aligned
+            yield ""
             yield documents.paragraph(
-                f"The {one.what}: {apart:.1e} rad from the attitude that Python finds in the same"
-                f" window, for the attitude is an eigenvector, which rounding moves"
+                f"The {one.what}, is {apart:.1e} rad from the attitude that Python finds in the"
+                f" same window, for the attitude is an eigenvector, which rounding moves"
                 f" ([how far](host-in-c.md)). The end of the window takes {clocks:,} clocks,"
                 f" {1e3 * clocks / 40e6:.0f} ms at 40 MHz, in which results wait."
             )
-            yield ""
 
 
 def _parts(flight: Measured, placed: Sequence[Placed]) -> Iterator[str]:

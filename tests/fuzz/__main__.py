@@ -32,8 +32,12 @@ def main() -> int:
         from fuzz.targets import TARGETS
 
         # the first cases are one of each target in turn
-        every = options.target is not None or options.case is not None
-        reached = TARGETS if every else TARGETS[: options.cases]
+        if options.case is not None:
+            reached = TARGETS
+        elif options.target is not None:
+            reached = tuple(each for each in TARGETS if each.name.startswith(options.target))
+        else:
+            reached = TARGETS[: options.cases]
         bench = Bench(Path(folder) / "bench", reached)
 
         def cases():  # type: ignore[no-untyped-def]

@@ -97,23 +97,20 @@ def test_it_aligns() -> None:
 
 
 def test_it_aligns_finely_and_falls_behind() -> None:
-    """That takes longer than results can wait: samples are lost, told, and coasted over."""
+    """That takes longer than results can wait: placeholders stand for samples, and are flagged."""
     flight, plan = aligned(True, 9.0)
     (one,) = flight.followed.alignments
     assert one.expected is not None
     assert one.apart < 2e-15 * 12 / (EARTH_RATE * ALIGNMENT_S) ** 2
-    np.testing.assert_allclose(one.told["gyro_bias"], one.expected.gyro_bias, rtol=1e-4, atol=1e-12)
+    np.testing.assert_allclose(one.told["gyro_bias"], one.expected.gyro_bias, rtol=1e-3, atol=1e-10)
     record = flight.record
-    assert record.counters[-1][4] > 0
-    assert flight.followed.coasted > 0.05
-    assert (record.states["status"] & 8).any()
+    assert 99 <= flight.equal_results < len(record.results) == len(flight.model)
+    assert np.asarray(record.results.major).tolist() == list(range(len(flight.model)))
+    flagged = np.asarray(record.results.status) & 2
+    assert not flagged[: flight.equal_results].any()
+    assert flagged[flight.equal_results :].any()
+    assert flight.followed.coasted == 0
     exact(record, plan)
-    # at rest coasting is no error: time goes on as the sensor's does
-    clocks = record.sample_clock[-1] - record.sample_clock[0]
-    assert record.states["time"][-1] - SLOW.major_interval == pytest.approx(
-        clocks / SLOW.hardware.front.clock_hz,
-        abs=1.01 / 125,  # type: ignore[union-attr]
-    )
 
 
 def test_a_window_that_moves_is_refused() -> None:

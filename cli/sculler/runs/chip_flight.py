@@ -185,5 +185,5 @@ def told(found: dict[str, Any]) -> dict[str, str]:
             else f"refused, error {one['error']} of sculler_error"
         )
     if found["coasted_s"]:
-        rows["coasted"] = f"{found['coasted_s']:g} s, over results or samples that are missing"
+        rows["coasted"] = f"{found['coasted_s']:g} s, over results that are missing"
     return rows

@@ -25,8 +25,6 @@ from sculler_model.navigation import (
     navigate,
 )
 
-_LOST = 8  # status bit 3
-
 
 @dataclass(frozen=True)
 class Aligned:
@@ -64,23 +62,13 @@ class Followed:
         states: (K,) after results that were navigated with.
         rows: (K,) which of the record's results these are.
         alignments: of windows that were whole, in turn.
-        coasted: s, over results and samples that are missing.
+        coasted: s, over results that are missing.
     """
 
     states: NavHistory
     rows: NDArray[np.int64]
     alignments: tuple[Aligned, ...]
     coasted: float
-
-
-def lost_before(plan: SocPlan, record: ChipRecord) -> NDArray[np.float64]:
-    """(N,) s of samples that a core lost before each result, by status bit 3 and the clocks."""
-    rate, front = plan.design.sensor.sample_rate_hz, plan.design.hardware.front
-    assert front is not None
-    clocks = np.diff(record.sample_clock, prepend=record.sample_clock[:1])
-    samples = clocks * (rate / front.clock_hz) - plan.design.samples_per_major
-    lost = ((np.asarray(record.results.status) & _LOST) > 0) & (samples > 0.5)
-    return np.where(lost, np.floor(samples + 0.5) * (1.0 / rate), 0.0)
 
 
 def follow(plan: SocPlan, record: ChipRecord) -> Followed:
@@ -104,9 +92,7 @@ class _Follower:
         self._plan, self._record = plan, record
         self._interval = plan.design.major_interval
         self._increments = major_increments(plan.design, record.results)
-        self._lost = lost_before(plan, record)
         self._ends = (np.asarray(record.results.major) + 1.0) * self._interval
-        self._ends += np.cumsum(self._lost)
         self._state: NavState | None = None
         self._bias = np.zeros(3)
         self._states: list[NavHistory] = []
@@ -132,8 +118,8 @@ class _Follower:
 
     def _stretches(self, lead: int) -> Iterator[tuple[int, int, float]]:
         """First row, row behind the last, and seconds missing before, of results without a gap."""
-        results = np.diff(np.asarray(self._record.results.major)).astype(float) - 1.0
-        missing = self._lost + np.concatenate(([0.0], results * self._interval))[: len(self._lost)]
+        major = np.asarray(self._record.results.major)
+        missing = (np.diff(major, prepend=major[:1] - 1) - 1) * self._interval
         edges = [lead, *(row for row in np.flatnonzero(missing).tolist() if row > lead)]
         for first, stop in zip(edges, [*edges[1:], len(missing)], strict=True):
             if first < stop:

@@ -78,17 +78,13 @@ def firmware_texts(plan: SocPlan) -> dict[str, str]:
 
     NAME_flight.c, NAME_start.h, start-up code, linker script, and the host in C.
     """
-    design, front = plan.design, plan.design.hardware.front
-    assert front is not None
+    design = plan.design
     guard = design.name.upper()
     words = {
         "name": design.name,
         "guard": guard,
         "counter_count": len(COUNTERS),
         "counters": ", ".join(f"{guard}_{name}" for name in COUNTERS),
-        "sample_rate": repr(float(design.sensor.sample_rate_hz)),
-        "clock": repr(float(front.clock_hz)),
-        "samples": design.samples_per_major,
     }
     aligning = {}
     if plan.align:
