@@ -46,7 +46,7 @@ def contests(folder: Path) -> list[Contest]:
     found = []
     for title, json, samples in (
         ("default design", default, {"pipelined": 400_000, "compact": 40_000}),
-        ("32 bits, n = 8, p = 4, high-resolution", wide, {"pipelined": 50_000, "compact": 8_000}),
+        ("32 bits, n = 8, p = 4, high-resolution", wide, {"pipelined": 50_000, "compact": 40_000}),
     ):
         for core, count in samples.items():
             design = Design.parse({**json, "hardware": {"core": core}})
