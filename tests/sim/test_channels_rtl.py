@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -162,14 +163,19 @@ def test_the_bench_passes_in_icarus_without_a_warning(
 @deep
 @pytest.mark.parametrize("column", ["result_channel", "result_data", "sample_ready"])
 def test_the_bench_sees_a_core_that_is_wrong(icarus: None, tmp_path: Path, column: str):
-    """A tag that is one bit off, a word, and a core that is ready all the time."""
+    """A bit between core and bench is turned over."""
     design = many("early_taps_2", channels=2)
     command = bench_of(design, tmp_path)["icarus"]
-    core = tmp_path / f"{design.name}.v"
-    text = core.read_text()
-    wrong = text.replace(f"assign {column} = ", f"assign {column} = 1'b1 ^ ", 1)
-    assert wrong != text
-    core.write_text(wrong)
+    bench = tmp_path / f"{design.name}_tb.v"
+    text = bench.read_text()
+    wrong = re.sub(
+        rf"^  wire (\[\d+:0\] )?{column};$",
+        rf"  wire \1turned; wire \1{column} = turned ^ 1'b1;",
+        text.replace(f".{column}({column})", f".{column}(turned)"),
+        flags=re.M,
+    )
+    assert wrong.count("turned") == 3
+    bench.write_text(wrong)
     done = shell(command, tmp_path)
     assert f"{column}: " in done.stdout
     assert done.stdout.startswith("FAIL")
