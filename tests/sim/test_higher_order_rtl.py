@@ -45,7 +45,10 @@ FORMS = {
 EACH = pytest.mark.parametrize("design", few_of(FORMS, []))
 
 
-@EACH
+# a late host makes the others drop results, which traces show
+@pytest.mark.parametrize(
+    "design", few_of({n: each for n, each in FORMS.items() if not each.drops_results}, [])
+)
 def test_the_files_of_model_and_verilator_are_equal(design, tmp_path):
     """With and without stalls, full-scale counts among the samples."""
     check_files(design, tmp_path, ["verilator"], samples=5 * design.samples_per_major)
