@@ -60,6 +60,18 @@ def write_document(path: Path, compute: Callable[[Path], tuple[str, list[Path]]]
     )
 
 
+def write_page(path: Path, text: str) -> None:
+    """Write a document without pictures whole or not at all, and tell so.
+
+    Raises:
+        InputError: the folder cannot be made or written to.
+    """
+    path = make_folder(path.parent) / path.name
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    terminal.report({}, False, f"wrote {terminal.verbatim(path)}")
+
+
 def paragraph(text: str) -> str:
     """Text filled to `WIDTH`."""
     return fill(text, WIDTH)

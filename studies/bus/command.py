@@ -10,7 +10,6 @@ import click
 
 from sculler import terminal
 from sculler_model.errors import InputError
-from sculler_model.outputs import make_folder, replacing
 from studies import documents
 from studies.bus.measure import BUSES, FRONTS, GOAL_MHZ, SEEDS, Measured, measure
 
@@ -54,10 +53,7 @@ def command(folder: Path, keys: tuple[str, ...]) -> None:
     if keys:
         terminal.report({}, False, "\n".join(table(found)))
         return
-    path = make_folder(folder) / PAGE
-    with replacing(path) as temporary:
-        temporary.write_text(document(found), encoding="utf-8")
-    terminal.report({}, False, f"wrote {terminal.verbatim(path)}")
+    documents.write_page(folder / PAGE, document(found))
 
 
 def table(found: Sequence[Measured], what: str = "bus") -> list[str]:

@@ -11,7 +11,6 @@ import click
 from sculler import terminal
 from sculler_hdl import timing
 from sculler_model.errors import InputError
-from sculler_model.outputs import make_folder, replacing
 from studies import documents
 from studies.channels.measure import UNITS, Measured, design_of, measure
 
@@ -62,10 +61,7 @@ def command(folder: Path, counts: tuple[int, ...]) -> None:
     if counts:
         terminal.report({}, False, "\n".join(table(found)))
         return
-    path = make_folder(folder) / PAGE
-    with replacing(path) as temporary:
-        temporary.write_text(document(found), encoding="utf-8")
-    terminal.report({}, False, f"wrote {terminal.verbatim(path)}")
+    documents.write_page(folder / PAGE, document(found))
 
 
 def table(found: Sequence[Measured]) -> list[str]:

@@ -8,7 +8,6 @@ import click
 
 from sculler import terminal
 from sculler_model.errors import InputError
-from sculler_model.outputs import make_folder, replacing
 from studies import documents
 from studies.host_c.measure import STAGES, measured
 from studies.host_c.page import document, instructions, memory
@@ -56,7 +55,4 @@ def command(folder: Path, keys: tuple[str, ...]) -> None:
         return
     with terminal.progress("flying", len(MOTIONS)) as advance:
         precisions = left(advance=advance)
-    path = make_folder(folder) / PAGE
-    with replacing(path) as temporary:
-        temporary.write_text(document(found, precisions), encoding="utf-8")
-    terminal.report({}, False, f"wrote {terminal.verbatim(path)}")
+    documents.write_page(folder / PAGE, document(found, precisions))

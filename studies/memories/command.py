@@ -11,7 +11,6 @@ import click
 from sculler import terminal
 from sculler_hdl import BLOCK_ATTRIBUTES
 from sculler_model.errors import InputError
-from sculler_model.outputs import make_folder, replacing
 from sculler_sim.place.tools import YOSYS
 from studies import documents
 from studies.memories.measure import FAMILIES, SMALL, Memory, memories, places, unit, unit_text
@@ -77,10 +76,7 @@ def command(folder: Path, names: tuple[str, ...]) -> None:
     if names:
         terminal.report({}, False, "\n".join(rows))
         return
-    path = make_folder(folder) / PAGE
-    with replacing(path) as temporary:
-        temporary.write_text(document(rows), encoding="utf-8")
-    terminal.report({}, False, f"wrote {terminal.verbatim(path)}")
+    documents.write_page(folder / PAGE, document(rows))
 
 
 def table(held: Sequence[Memory], found: Mapping[str, Sequence[str]]) -> list[str]:

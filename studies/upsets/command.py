@@ -10,7 +10,6 @@ from pathlib import Path
 import click
 
 from sculler import terminal
-from sculler_model.outputs import make_folder, replacing
 from sculler_sim.place.devices import DEVICES
 from sculler_sim.place.placement import Placement, place
 from studies import documents
@@ -69,10 +68,7 @@ def command(folder: Path, flips: int, every_bit: bool, seed: int, only: str | No
         return
     placements = dict(placements_of())
     text = "\n".join(page.page(counts, placements, "--every-bit" if every_bit else ""))
-    path = make_folder(folder) / PAGE
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-    terminal.report({}, False, f"wrote {terminal.verbatim(path)}")
+    documents.write_page(folder / PAGE, text)
 
 
 def measure(mode: str, what: str, flips: int, every_bit: bool, seed: int) -> Count:
