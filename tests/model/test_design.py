@@ -660,3 +660,13 @@ class TestHighResolutionPosition:
             'algorithm.position: "high-resolution" needs every sample of a minor interval to count'
             " once, leave out algorithm.table.weights or position"
         )
+
+
+def test_equal_designs_are_equal_whatever_was_worked_out_of_them() -> None:
+    one, other = (Design.parse(changed()) for _ in range(2))
+    for each in (one, other):
+        assert each.inner is each
+        assert each.words.gyro.bits == 24
+    assert one is not other
+    assert one == other
+    assert hash(one) == hash(other)

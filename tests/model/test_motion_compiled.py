@@ -33,7 +33,7 @@ MOTIONS = {
 def test_every_sample_is_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Increments of whole and cut panels, rates, and states."""
     found = []
-    for loops in (lambda _: None, lambda _: compiled._compiled()):
+    for loops in (lambda *_: None, lambda *_: compiled._compiled()):
         for module in (earthbound, sampling):
             monkeypatch.setattr(module, "loops", loops)
         found.append(_of(MOTIONS[name]))
@@ -55,5 +55,17 @@ def _of(make: Callable[[], Motion]) -> list[np.ndarray]:
 
 def test_numba_is_loaded_when_numpy_has_worked_long(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "_asked", 0)
-    assert compiled.loops(compiled.WORTH_LOADING) is None
-    assert compiled.loops(1) is not None
+    doubles = np.dtype(np.float64)
+    assert compiled.loops(compiled.WORTH_LOADING, doubles) is None
+    assert compiled.loops(1, doubles) is not None
+
+
+def test_instants_longer_than_doubles_are_left_to_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever was worked out before."""
+    motion, t = demo_motion(), np.arange(5, dtype=np.longdouble) / 7
+    monkeypatch.setattr(compiled, "_asked", 0)
+    before = motion.sensed(t)
+    monkeypatch.setattr(compiled, "_asked", compiled.WORTH_LOADING + 1)
+    after = motion.sensed(t)
+    assert after.dtype == np.longdouble
+    assert np.array_equal(before, after)

@@ -275,15 +275,20 @@ class Design(Part):
         """What stands before the core, in integers; None where nothing does."""
         return None if self.compensation is None else self.compensation.plan(self.sensor)
 
-    @cached_property
+    @property
     def inner(self) -> Design:
         """The design of the core behind the compensation: itself where there is none.
 
         Its sensor's counts are the compensated samples: of more bits, and worth 1/D as much.
         """
+        return self.compensated or self
+
+    @cached_property
+    def compensated(self) -> Design | None:
+        """The design of the core behind the compensation; None where there is none."""
         plan = self.compensation_plan
         if plan is None:
-            return self
+            return None
         inner = Design.model_construct(
             name=self.name,
             sensor=compensated_sensor(self.sensor, plan),

@@ -46,15 +46,18 @@ class Loops(NamedTuple):
 _asked = 0
 
 
-def loops(instants: int) -> Loops | None:
+def loops(instants: int, dtype: np.dtype[Any]) -> Loops | None:
     """The loops, compiled, once that is worth it; None before, and where Numba is missing.
 
     Loading Numba takes half a second.  So it is loaded when numpy has worked as long.
 
     Args:
         instants: that are to be worked out now.
+        dtype: of their numbers; those longer than doubles are left to numpy.
     """
     global _asked
+    if dtype != np.float64:
+        return None
     _asked += instants
     return _compiled() if _asked > WORTH_LOADING else None
 

@@ -175,7 +175,7 @@ class _Path:
     """
 
     def __init__(self, motion: Motion, t: Array) -> None:
-        self._loops = loops(len(t))
+        self._loops = loops(len(t), t.dtype)
         self._attitude = attitude_jet(motion.turns, t, self._loops)
         self.q = self._attitude[0]
         meridian, prime_vertical = radii(sin(motion.lat))

@@ -206,7 +206,7 @@ class Sampled(ABC):
 def _means(weights: Array, values: Array) -> Array:
     """Weights (m, n) times values (n, panels, 6), one after the other: (panels, m, 6)."""
     many, panels = len(weights), values.shape[1]
-    machine = loops(0)
+    machine = loops(0, values.dtype)
     if machine is not None:
         found = np.empty((panels, many, 6))
         machine.mean(np.ascontiguousarray(weights.T), values, found)
