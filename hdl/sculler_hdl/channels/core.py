@@ -12,14 +12,14 @@ from amaranth.lib import wiring
 from sculler_hdl.channels.control import ChannelControl
 from sculler_hdl.channels.loader import ChannelLoader
 from sculler_hdl.compact.engine import Engine
-from sculler_hdl.compact.reader import Reader
-from sculler_hdl.lib.layout import core_members
+from sculler_hdl.compact.reader import Reader, read_results
+from sculler_hdl.lib.layout import core_members, hand_counts
 from sculler_hdl.lib.losses import emit_event_counter
 from sculler_hdl.lib.memory import BlockMemory
 from sculler_hdl.plan.compact.digits import OPERAND
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.plan.ports import channel_bits
-from sculler_model.design import AXES, Design
+from sculler_model.design import Design
 from sculler_model.golden import WORD_BITS
 
 
@@ -77,11 +77,7 @@ class ChannelCore(wiring.Component):
             control.fault.eq(self.sample_fault),
             control.restart.eq(self.sample_restart),
             loader.take.eq(take),
-            *(
-                getattr(loader, sensor)[i].eq(getattr(self, f"sample_{sensor}_{axis}"))
-                for sensor in ("gyro", "accel")
-                for i, axis in enumerate(AXES)
-            ),
+            *hand_counts(self, loader),
             loader.begin.eq(control.begin),
             loader.new_slot.eq(control.slot),
             loader.zeros.eq(control.zeros),
@@ -102,17 +98,7 @@ class ChannelCore(wiring.Component):
             samples.step.eq(engine.step),
             samples.address.eq(Cat(engine.sample_address, engine.owner)),
             engine.sample_data.eq(samples.data.as_signed()),
-            results.write.eq(engine.store),
-            results.write_address.eq(Cat(engine.store_address, reader.filling ^ engine.bank)),
-            results.write_data.eq(engine.store_data),
-            # the result is read
-            reader.publish.eq(engine.publish),
-            reader.ready.eq(self.result_ready),
-            results.step.eq(1),
-            results.address.eq(reader.address),
-            self.result_valid.eq(reader.valid),
-            self.result_data.eq(results.data),
-            self.result_last.eq(reader.last),
+            *read_results(self, engine, results, reader),
         ]
         self._tell_owners(m, engine, reader)
         self._count_losses(m, control)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
-from amaranth import C, Cat, Module, Mux, Signal, Value, signed
+from amaranth import C, Cat, Module, Mux, Signal, Value
 from amaranth.lib.wiring import In
 
 from sculler_hdl.compact.loader import Loader
@@ -29,9 +27,7 @@ class ChannelLoader(Loader):
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
-        words = self.design.words
-        bits = max(words.gyro.bits, words.accel.bits)
-        counts = [Signal(signed(bits), name=f"count{i}") for i in range(6)]
+        counts = self._counts()
         index = Signal(range(self.words))
         clearing, last = Signal(), Signal()
         loads: Value = self.busy & ~clearing
@@ -42,12 +38,8 @@ class ChannelLoader(Loader):
             self.address.eq(Cat(index, self.slot)),
             self.data.eq(Mux(clearing, 0, self._digit(counts[0], index))),
         ]
-        sample = [self.gyro[i] for i in range(3)] + [self.accel[i] for i in range(3)]
         top = C(1) if self.digits == 1 else index[0]
-        with m.If(self.take):
-            m.d.sync += [count.eq(new) for count, new in zip(counts, sample, strict=True)]
-        with m.Elif(loads & top):
-            m.d.sync += [count.eq(new) for count, new in pairwise(counts)]
+        self._move(m, counts, loads & top)
         self._find_rail(m, counts[0], loads, index)
 
         with m.If(self.busy):

@@ -13,14 +13,14 @@ from amaranth.lib.wiring import In, Out
 from sculler_hdl.compact.control import Control
 from sculler_hdl.compact.engine import Engine
 from sculler_hdl.compact.loader import Loader
-from sculler_hdl.compact.reader import Reader
-from sculler_hdl.lib.layout import behind_members, plain_members
+from sculler_hdl.compact.reader import Reader, read_results
+from sculler_hdl.lib.layout import behind_members, hand_counts, plain_members
 from sculler_hdl.lib.losses import Losses, emit_event_counter
 from sculler_hdl.lib.memory import BlockMemory
 from sculler_hdl.plan.compact.digits import OPERAND
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.plan.ports import counter_ports
-from sculler_model.design import AXES, Design
+from sculler_model.design import Design
 from sculler_model.golden import WORD_BITS, words_per_result
 
 
@@ -125,11 +125,7 @@ class CompactCore(wiring.Component):
         m.d.comb += [
             # a sample is loaded
             loader.take.eq(take),
-            *(
-                getattr(loader, sensor)[i].eq(getattr(self, f"sample_{sensor}_{axis}"))
-                for sensor in ("gyro", "accel")
-                for i, axis in enumerate(AXES)
-            ),
+            *hand_counts(self, loader),
             samples.write.eq(loader.write),
             samples.write_address.eq(loader.address),
             samples.write_data.eq(loader.data),
@@ -148,17 +144,7 @@ class CompactCore(wiring.Component):
             samples.step.eq(engine.step),
             samples.address.eq(engine.sample_address),
             engine.sample_data.eq(samples.data.as_signed()),
-            results.write.eq(engine.store),
-            results.write_address.eq(Cat(engine.store_address, reader.filling ^ engine.bank)),
-            results.write_data.eq(engine.store_data),
-            # the result is read
-            reader.publish.eq(engine.publish),
-            reader.ready.eq(self.result_ready),
-            results.step.eq(1),
-            results.address.eq(reader.address),
-            self.result_valid.eq(reader.valid),
-            self.result_data.eq(results.data),
-            self.result_last.eq(reader.last),
+            *read_results(self, engine, results, reader),
         ]
         if self.design.drops_results:
             held = self.agreed_results_dropped if self.tied else None
@@ -167,18 +153,21 @@ class CompactCore(wiring.Component):
         if self.behind:
             m.d.comb += loader.told_rail.eq(self.sample_rail)
         if self.tied and losses is not None:
-            m.d.comb += [
-                losses.held.eq(self.agreed_samples_lost),
-                engine.agreed_digit.eq(self.agreed_digit),
-                self.digit.eq(engine.digit),
-                self.storing.eq(engine.storing),
-                self.stores.eq(
-                    Cat(engine.publish, engine.store, Mux(engine.store, engine.store_address, 0))
-                ),
-                self.at_status.eq(reader.at_status),
-            ]
+            m.d.comb += [losses.held.eq(self.agreed_samples_lost), *self._tied(engine, reader)]
             m.d.sync += self.ends_major.eq(take & control.conditions.major_end)
         return m
+
+    def _tied(self, engine: Engine, reader: Reader) -> list[object]:
+        """What one of several copies tells the others, and is told."""
+        return [
+            engine.agreed_digit.eq(self.agreed_digit),
+            self.digit.eq(engine.digit),
+            self.storing.eq(engine.storing),
+            self.stores.eq(
+                Cat(engine.publish, engine.store, Mux(engine.store, engine.store_address, 0))
+            ),
+            self.at_status.eq(reader.at_status),
+        ]
 
     def _counted(self, losses: Losses | None, ready: Value) -> list[object]:
         """What counts samples that are lost, unless what stands before the core does."""

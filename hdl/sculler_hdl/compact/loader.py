@@ -71,9 +71,7 @@ class Loader(wiring.Component):
 
     def elaborate(self, platform: object) -> Module:
         m = Module()
-        words = self.design.words
-        bits = max(words.gyro.bits, words.accel.bits)
-        counts = [Signal(signed(bits), name=f"count{i}") for i in range(6)]
+        counts = self._counts()
         index = Signal(range(self.words))
         clearing = Signal(init=1)
         last = Signal()
@@ -84,13 +82,7 @@ class Loader(wiring.Component):
             self.address.eq(Cat(index, self.slot)),
         ]
 
-        # the counts move up by one as each has been written
-        sample = [self.gyro[i] for i in range(3)] + [self.accel[i] for i in range(3)]
-        top = self._top(m, index)
-        with m.If(self.take):
-            m.d.sync += [count.eq(new) for count, new in zip(counts, sample, strict=True)]
-        with m.Elif(top):
-            m.d.sync += [count.eq(new) for count, new in pairwise(counts)]
+        self._move(m, counts, self._top(m, index))
         m.d.comb += self.data.eq(self._digit(counts[0], index))
         if self.told:
             at_rail = Signal()
@@ -111,6 +103,20 @@ class Loader(wiring.Component):
         with m.If(self.take):
             m.d.sync += [self.busy.eq(1), self.slot.eq(self.slot + 1)]
         return m
+
+    def _counts(self) -> list[Signal]:
+        """Registers of the sample's counts."""
+        words = self.design.words
+        bits = max(words.gyro.bits, words.accel.bits)
+        return [Signal(signed(bits), name=f"count{i}") for i in range(6)]
+
+    def _move(self, m: Module, counts: list[Signal], written: Value) -> None:
+        """The counts are taken, and move up by one as each has been written."""
+        sample = [self.gyro[i] for i in range(3)] + [self.accel[i] for i in range(3)]
+        with m.If(self.take):
+            m.d.sync += [count.eq(new) for count, new in zip(counts, sample, strict=True)]
+        with m.Elif(written):
+            m.d.sync += [count.eq(new) for count, new in pairwise(counts)]
 
     def _top(self, m: Module, index: Signal) -> Value:
         """The word of this index is a count's last."""

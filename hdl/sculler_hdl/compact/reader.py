@@ -6,6 +6,7 @@ from amaranth import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from sculler_hdl.lib.memory import BlockMemory
 from sculler_hdl.plan.compact.plan import CompactPlan
 from sculler_model.golden import words_per_column, words_per_result
 
@@ -125,3 +126,22 @@ class Reader(wiring.Component):
         with m.If(self.publish):
             m.d.sync += self.filling.eq(Mux(free, shown, behind))
         return begin, shown
+
+
+def read_results(
+    core: wiring.Component, engine: wiring.Component, results: BlockMemory, reader: Reader
+) -> list[object]:
+    """What goes from the engine through the result memory and the reader to the core's ports."""
+    return [
+        results.write.eq(engine.store),
+        results.write_address.eq(Cat(engine.store_address, reader.filling ^ engine.bank)),
+        results.write_data.eq(engine.store_data),
+        # the result is read
+        reader.publish.eq(engine.publish),
+        reader.ready.eq(core.result_ready),
+        results.step.eq(1),
+        results.address.eq(reader.address),
+        core.result_valid.eq(reader.valid),
+        core.result_data.eq(results.data),
+        core.result_last.eq(reader.last),
+    ]

@@ -9,12 +9,12 @@ from amaranth.lib import wiring
 
 from sculler_hdl.compact.core import CompactCore
 from sculler_hdl.compensated.stage import Compensator
-from sculler_hdl.lib.layout import core_members
+from sculler_hdl.lib.layout import core_members, hand_counts, sample_counts
 from sculler_hdl.lib.losses import Losses
 from sculler_hdl.pipelined.core import PipelinedCore
 from sculler_hdl.plan.compensation import plan_compensation
 from sculler_hdl.plan.ports import counter_ports, result_ports
-from sculler_model.design import AXES, Design
+from sculler_model.design import Design
 
 
 class CompensatedCore(wiring.Component):
@@ -62,11 +62,7 @@ class CompensatedCore(wiring.Component):
         m.submodules.losses = losses = Losses()
         m.submodules.compensation = stage = Compensator(self.plan, primitive=self.primitive)
         m.submodules.core = core = self.core
-        made = [
-            getattr(core, f"sample_{sensor}_{axis}")
-            for sensor in ("gyro", "accel")
-            for axis in AXES
-        ]
+        made = [port for ports in sample_counts(core).values() for port in ports]
         shown = [port.name for port in result_ports(self.design)]
         shown += [port.name for port in counter_ports(self.design) if port.name != "samples_lost"]
         m.d.comb += [
@@ -75,11 +71,7 @@ class CompensatedCore(wiring.Component):
             self.samples_lost.eq(losses.count),
             self.sample_ready.eq(stage.sample_ready),
             stage.sample_valid.eq(self.sample_valid),
-            *(
-                getattr(stage, sensor)[i].eq(getattr(self, f"sample_{sensor}_{axis}"))
-                for sensor in ("gyro", "accel")
-                for i, axis in enumerate(AXES)
-            ),
+            *hand_counts(self, stage),
             stage.fault.eq(self.sample_fault),
             stage.lost.eq(losses.lost),
             core.sample_valid.eq(stage.made_valid),

@@ -5,7 +5,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.plan.ports import Port, core_ports
-from sculler_model.design import Design, Interval
+from sculler_model.design import AXES, Design, Interval
 
 
 def vector(interval: Interval) -> data.ArrayLayout:
@@ -37,6 +37,23 @@ def behind_members(design: Design) -> dict[str, wiring.Member]:
     """
     members = {n: member for n, member in plain_members(design).items() if n != "samples_lost"}
     return members | {"sample_rail": In(1), "sample_lost": In(1)}
+
+
+def sample_counts(core: wiring.Component) -> dict[str, list[Value]]:
+    """A core's ports of the counts, x, y and z of `gyro` and of `accel`."""
+    return {
+        sensor: [getattr(core, f"sample_{sensor}_{axis}") for axis in AXES]
+        for sensor in ("gyro", "accel")
+    }
+
+
+def hand_counts(core: wiring.Component, part: wiring.Component) -> list[object]:
+    """The counts at a core's ports to the members `gyro` and `accel` of a part of it."""
+    return [
+        getattr(part, sensor)[i].eq(port)
+        for sensor, ports in sample_counts(core).items()
+        for i, port in enumerate(ports)
+    ]
 
 
 def shape_of(port: Port) -> object:

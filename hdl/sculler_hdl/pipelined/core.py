@@ -16,7 +16,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
-from sculler_hdl.lib.layout import behind_members, plain_members
+from sculler_hdl.lib.layout import behind_members, plain_members, sample_counts
 from sculler_hdl.lib.losses import Losses
 from sculler_hdl.pipelined.datapath import Datapath
 from sculler_hdl.pipelined.handover import HandOver
@@ -146,12 +146,13 @@ class PipelinedCore(wiring.Component):
                 handover.held_major.eq(self.agreed_result_major),
                 self.ends_major.eq(sequencer.major_end),
             ]
-        counts = {
-            sensor: [getattr(self, f"sample_{sensor}_{axis}") for axis in AXES]
-            for sensor in ("gyro", "accel")
-        }
         datapath = Datapath(
-            m, self.schedule, sequencer, counts, handover.input, primitive=self.primitive
+            m,
+            self.schedule,
+            sequencer,
+            sample_counts(self),
+            handover.input,
+            primitive=self.primitive,
         )
         datapath.emit()
         self._status(m, datapath)
