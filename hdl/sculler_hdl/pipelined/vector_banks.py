@@ -21,6 +21,27 @@ def word_layout(plan: VectorEnginePlan) -> data.StructLayout:
     return data.StructLayout({name: unsigned(bits) for name, bits in plan.fields})
 
 
+def sample_members(plan: VectorEnginePlan) -> dict[str, wiring.Member]:
+    """How samples come to the vector engine, and that a minor interval's are whole."""
+    words = plan.design.words
+    return {
+        "taken": In(1),
+        "ends_minor": In(1),
+        "phase": In(range(plan.design.algorithm.samples)),
+        "gyro": In(vector(words.gyro)),
+        "accel": In(vector(words.accel)),
+        "start": In(1),
+    }
+
+
+def load_members(plan: VectorEnginePlan) -> dict[str, wiring.Member]:
+    """The words that are loaded."""
+    return {
+        f"{side}_words": In(data.ArrayLayout(signed(plan.load_bits(side)), 3))
+        for side in plan.loads
+    }
+
+
 class VectorBanks(wiring.Component):
     """Left and right factors and running sums, three components each; and the samples.
 
@@ -45,7 +66,7 @@ class VectorBanks(wiring.Component):
 
     def __init__(self, plan: VectorEnginePlan) -> None:
         self.plan = plan
-        words, page = plan.design.words, plan.page
+        page = plan.page
         total = plan.accumulator.total.bits
         super().__init__(
             {
@@ -54,17 +75,9 @@ class VectorBanks(wiring.Component):
                 "first": In(1),
                 "loading": In(1),
                 "load": In(2),
-                **{
-                    f"{side}_words": In(data.ArrayLayout(signed(plan.load_bits(side)), 3))
-                    for side in plan.loads
-                },
+                **load_members(plan),
                 "totals": In(data.ArrayLayout(signed(total), plan.lanes)),
-                "taken": In(1),
-                "ends_minor": In(1),
-                "phase": In(range(plan.design.algorithm.samples)),
-                "gyro": In(vector(words.gyro)),
-                "accel": In(vector(words.accel)),
-                "start": In(1),
+                **sample_members(plan),
                 "left": Out(data.ArrayLayout(signed(page.left_range.bits), plan.lanes)),
                 "right": Out(data.ArrayLayout(signed(page.right_range.bits), plan.lanes)),
                 "initial": Out(data.ArrayLayout(signed(total), plan.lanes)),

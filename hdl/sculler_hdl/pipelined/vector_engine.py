@@ -15,9 +15,13 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
-from sculler_hdl.lib.layout import vector
 from sculler_hdl.lib.memory import BlockMemory
-from sculler_hdl.pipelined.vector_banks import VectorBanks, word_layout
+from sculler_hdl.pipelined.vector_banks import (
+    VectorBanks,
+    load_members,
+    sample_members,
+    word_layout,
+)
 from sculler_hdl.pipelined.vector_lane import VectorLane
 from sculler_hdl.plan.arrival import at_once
 from sculler_hdl.plan.vector.engine import VectorEnginePlan
@@ -49,21 +53,12 @@ class VectorEngine(wiring.Component):
 
     def __init__(self, plan: VectorEnginePlan, *, primitive: bool = True) -> None:
         self.plan, self.primitive = plan, primitive
-        words = plan.design.words
         super().__init__(
             {
-                "taken": In(1),
-                "ends_minor": In(1),
-                "phase": In(range(plan.design.algorithm.samples)),
-                "gyro": In(vector(words.gyro)),
-                "accel": In(vector(words.accel)),
-                "start": In(1),
+                **sample_members(plan),
                 "first": In(1),
                 "ends_major": In(1),
-                **{
-                    f"{side}_words": In(data.ArrayLayout(signed(plan.load_bits(side)), 3))
-                    for side in plan.loads
-                },
+                **load_members(plan),
                 "shift": Out(1),
                 "finishing": Out(1),
                 "totals": Out(data.ArrayLayout(signed(plan.accumulator.total.bits), plan.lanes)),
