@@ -6,7 +6,7 @@ sample ─▶ Loader ─▶ sample memory ─▶ Engine ─▶ result memory ─
 
 from __future__ import annotations
 
-from amaranth import Cat, Elaboratable, Module, Mux, ResetInserter, Value
+from amaranth import Cat, Module, Mux, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -14,12 +14,12 @@ from sculler_hdl.compact.control import Control
 from sculler_hdl.compact.engine import Engine
 from sculler_hdl.compact.loader import Loader
 from sculler_hdl.compact.reader import Reader, read_results
-from sculler_hdl.lib.layout import behind_members, hand_counts, plain_members
+from sculler_hdl.lib.layout import hand_counts
 from sculler_hdl.lib.losses import Losses, emit_event_counter
 from sculler_hdl.lib.memory import BlockMemory
+from sculler_hdl.lib.one_core import OneCore, agreed_members
 from sculler_hdl.plan.compact.digits import OPERAND
 from sculler_hdl.plan.compact.plan import plan_compact
-from sculler_hdl.plan.ports import counter_ports
 from sculler_model.design import Design
 from sculler_model.golden import WORD_BITS, words_per_result
 
@@ -37,12 +37,8 @@ def ties(design: Design) -> dict[str, wiring.Member]:
         restart (in), where `hardware.hardening` is "recover": as a reset.
     """
     address = (words_per_result(design) - 1).bit_length()
-    counters = {f"agreed_{port.name}": In(port.bits) for port in counter_ports(design)}
-    restart = {"restart": In(1)} if design.hardware.hardening == "recover" else {}
     return {
-        **restart,
-        "agreed_ready": In(1),
-        **counters,
+        **agreed_members(design),
         "storing": Out(1),
         "digit": Out(OPERAND.bits),
         "agreed_digit": In(OPERAND.bits),
@@ -52,7 +48,7 @@ def ties(design: Design) -> dict[str, wiring.Member]:
     }
 
 
-class CompactCore(wiring.Component):
+class CompactCore(OneCore):
     """Coning and sculling accumulators of one design, exact in every bit.
 
     Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.golden`):
@@ -77,30 +73,15 @@ class CompactCore(wiring.Component):
         listing: its schedule as text.
     """
 
-    def __init__(
-        self,
-        design: Design,
-        *,
-        primitive: bool = True,
-        tied: bool = False,
-        behind: bool = False,
-    ) -> None:
-        self.design = design
-        self.primitive = primitive
-        self.tied = tied
-        self.behind = behind
-        self.plan = plan_compact(design)
+    def _prepare(self) -> None:
+        self.plan = plan_compact(self.design)
         self.timing = self.plan.timing
         self.resources = self.plan.resources
         self.block_groups = None
         self.listing = self.plan.listing
-        self.ties = ties(design) if tied else {}
-        members = behind_members(design) if behind else plain_members(design)
-        super().__init__(members | self.ties)
 
-    def elaborate(self, platform: object) -> Elaboratable:
-        m = self._made()
-        return ResetInserter(self.restart)(m) if "restart" in self.ties else m
+    def _ties(self) -> dict[str, wiring.Member]:
+        return ties(self.design)
 
     def _made(self) -> Module:
         m, plan = Module(), self.plan

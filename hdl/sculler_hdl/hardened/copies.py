@@ -167,7 +167,7 @@ class Copies:
             ill, restart = Signal(name=f"ill{i}"), Signal(name=f"restarts{i}")
             young = Signal(range(intervals + 1), name=f"young{i}")
             strange = differs & (young == 0)
-            m.d.comb += copy.restart.eq(restart)  # type: ignore[attr-defined]
+            m.d.comb += copy.restart.eq(restart)
             m.d.sync += restart.eq(ill & ended & ~others)
             with m.If(strange):
                 m.d.sync += ill.eq(1)

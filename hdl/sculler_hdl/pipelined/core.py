@@ -11,13 +11,14 @@ travel beside it (`ControlDelay`) and are looked at at those clocks.
 
 from __future__ import annotations
 
-from amaranth import Cat, Elaboratable, Module, Mux, ResetInserter, Signal
+from amaranth import Cat, Module, Mux, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
-from sculler_hdl.lib.layout import behind_members, plain_members, sample_counts
+from sculler_hdl.lib.layout import sample_counts
 from sculler_hdl.lib.losses import Losses
+from sculler_hdl.lib.one_core import OneCore, agreed_members
 from sculler_hdl.pipelined.datapath import Datapath
 from sculler_hdl.pipelined.handover import HandOver
 from sculler_hdl.pipelined.rails import emit_rail, emit_told_rail
@@ -25,7 +26,6 @@ from sculler_hdl.pipelined.sequencer import Sequencer
 from sculler_hdl.pipelined.stream import StreamHandOver
 from sculler_hdl.plan.arrival import at_once
 from sculler_hdl.plan.pipelined import plan_pipelined
-from sculler_hdl.plan.ports import counter_ports
 from sculler_hdl.plan.schedule import STATUS_CLOCK
 from sculler_model.design import AXES, Design
 from sculler_model.golden import PORT_MAJOR_BITS
@@ -40,17 +40,14 @@ def ties(design: Design) -> dict[str, wiring.Member]:
         ends_major (out): the sample that ends a major interval is taken in this clock.
         restart (in), where `hardware.hardening` is "recover": as a reset.
     """
-    restart = {"restart": In(1)} if design.hardware.hardening == "recover" else {}
     return {
-        **restart,
-        "agreed_ready": In(1),
-        **{f"agreed_{port.name}": In(port.bits) for port in counter_ports(design)},
+        **agreed_members(design),
         "agreed_result_major": In(PORT_MAJOR_BITS),
         "ends_major": Out(1),
     }
 
 
-class PipelinedCore(wiring.Component):
+class PipelinedCore(OneCore):
     """Coning and sculling accumulators of one design, exact in every bit.
 
     Ports (clock `clk`, synchronous `rst`; the handshake contract is `sculler_model.golden`):
@@ -85,38 +82,23 @@ class PipelinedCore(wiring.Component):
         InputError: see `plan_pipelined`.
     """
 
-    def __init__(
-        self,
-        design: Design,
-        *,
-        primitive: bool = True,
-        tied: bool = False,
-        behind: bool = False,
-    ) -> None:
-        self.design = design
-        self.primitive = primitive
-        self.tied = tied
-        self.behind = behind
-        self.ties = ties(design) if tied else {}
-        self.plan = plan_pipelined(design)
+    def _prepare(self) -> None:
+        self.plan = plan_pipelined(self.design)
         self.timing = self.plan.timing
         self.schedule = self.plan.schedule
         results = self.timing.results
-        self.sequencer = Sequencer(design, self.timing.spacing, results, tied=tied)
+        self.sequencer = Sequencer(self.design, self.timing.spacing, results, tied=self.tied)
         made = self.schedule.handover(results)
-        stream = design.hardware.handover == "stream"
+        stream = self.design.hardware.handover == "stream"
         self.handover: HandOver | StreamHandOver = (
-            StreamHandOver(made) if stream else HandOver(made, tied=tied)
+            StreamHandOver(made) if stream else HandOver(made, tied=self.tied)
         )
         self.resources = self.plan.resources
         self.block_groups = tuple(map(tuple, self.schedule.block_groups))
         self.listing = None
-        members = behind_members(design) if behind else plain_members(design)
-        super().__init__(members | self.ties)
 
-    def elaborate(self, platform: object) -> Elaboratable:
-        m = self._made()
-        return ResetInserter(self.restart)(m) if "restart" in self.ties else m
+    def _ties(self) -> dict[str, wiring.Member]:
+        return ties(self.design)
 
     def _made(self) -> Module:
         m = Module()
