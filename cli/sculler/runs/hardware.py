@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -154,22 +155,7 @@ def write_hardware(
         ToolError: the core, simulated for the page, is not as the cycle model says.
     """
     given = {"--clock-mhz": clock_mhz, "--board": board, "--bus-clock-mhz": bus_clock_mhz}
-    for option, value in given.items():
-        if value is not None and not packaged:
-            raise InputError(f"{option} belongs to --package, give both or neither")
-    if placed is not None and not data_sheet:
-        raise InputError("--placed belongs to --data-sheet, give both or neither")
-    bus = design.hardware.bus
-    if bus_clock_mhz is not None and (bus is None or bus.clock == "same"):
-        raise InputError(
-            "--bus-clock-mhz: the design's bus has no clock of its own, leave the option out or"
-            ' give hardware.bus.clock = "separate"'
-        )
-    if design.channels > 1 and (packaged or data_sheet):
-        option = "--package" if packaged else "--data-sheet"
-        raise InputError(
-            f"{option}: not built for a core with channels, leave it or hardware.channels out"
-        )
+    _refuse(design, given, packaged, data_sheet, placed)
     report = None if placed is None else read_report(placed, design)
     generated = generate(design)
     texts = texts_of(generated)
@@ -185,6 +171,36 @@ def write_hardware(
         bench = write_testbench(design, gathered, timing(design), generated.cells)
         names = [*texts, *(file.name for file in bench)]
     return Outcome(generated.manifest, folder, tuple(folder / name for name in names))
+
+
+def _refuse(
+    design: Design,
+    given: Mapping[str, object],
+    packaged: bool,
+    data_sheet: bool,
+    placed: Path | None,
+) -> None:
+    """Refuse options that do not belong together, or not to the design.
+
+    Args:
+        given: value of each option that belongs to a package, None where it is left out.
+    """
+    for option, value in given.items():
+        if value is not None and not packaged:
+            raise InputError(f"{option} belongs to --package, give both or neither")
+    if placed is not None and not data_sheet:
+        raise InputError("--placed belongs to --data-sheet, give both or neither")
+    bus = design.hardware.bus
+    if given["--bus-clock-mhz"] is not None and (bus is None or bus.clock == "same"):
+        raise InputError(
+            "--bus-clock-mhz: the design's bus has no clock of its own, leave the option out or"
+            ' give hardware.bus.clock = "separate"'
+        )
+    if design.channels > 1 and (packaged or data_sheet):
+        option = "--package" if packaged else "--data-sheet"
+        raise InputError(
+            f"{option}: not built for a core with channels, leave it or hardware.channels out"
+        )
 
 
 def _clock_mhz(design: Design, given: float | None) -> float:
