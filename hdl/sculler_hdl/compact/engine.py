@@ -179,16 +179,7 @@ class Engine(wiring.Component):
         running = Signal(init=1)
         m.d.comb += [words.address.eq(counter), words.step.eq(self.step)]
 
-        if self.plan.pipeline.step == 1:
-            m.d.comb += self.step.eq(1)
-        else:
-            clock = Signal(range(self.plan.pipeline.step))
-            # constants need no multiplication
-            m.d.comb += self.step.eq((clock == self.plan.pipeline.step - 1) | self.starting)
-            m.d.sync += clock.eq(clock + 1)
-            with m.If(self.step | self.launch):
-                m.d.sync += clock.eq(0)
-
+        self._pace(m)
         with m.If(self.step & running):
             m.d.sync += counter.eq(counter + 1)
             with m.If(counter == len(code.words) - 1):
@@ -213,6 +204,18 @@ class Engine(wiring.Component):
             m.d.sync += self.rail.eq(self.at_rail)
         m.d.comb += self.publish.eq(self.step & word.publish & self.present.major_end)
         return fetched.operands, word
+
+    def _pace(self, m: Module) -> None:
+        """The clocks in which a step ends."""
+        if self.plan.pipeline.step == 1:
+            m.d.comb += self.step.eq(1)
+            return
+        clock = Signal(range(self.plan.pipeline.step))
+        # constants need no multiplication
+        m.d.comb += self.step.eq((clock == self.plan.pipeline.step - 1) | self.starting)
+        m.d.sync += clock.eq(clock + 1)
+        with m.If(self.step | self.launch):
+            m.d.sync += clock.eq(0)
 
     def _operands(self, m: Module, operands: data.View, word: data.View) -> tuple[Value, Value]:
         """From the addresses in the word to the two operands."""

@@ -103,11 +103,6 @@ def tidy(
     """
     found = _MODULE.fullmatch(module)
     assert found is not None, "no module"
-    own = re.findall(r"\w+", found["ports"])
-    # Amaranth has those of the clock domains in no order of its own
-    clocks = sorted(set(own) & {"clk", "rst"}) + sorted(filter(_OF_A_DOMAIN.fullmatch, own))
-    first = [*ports, *(port for port in clocks if port not in ports)]
-    order = [*first, *(port for port in own if port not in first)]
     crossing = re.search(r"^  reg .*\bunsettled\b", found["body"], re.M) is not None
     heads: dict[str, str] = {}
     registers: list[str] = []
@@ -139,7 +134,8 @@ def tidy(
         body = _STARTS.sub("", body)
     elif blank:
         body = _STARTS.sub(lambda found: "" if _is_blank(found[0]) else found[0], body)
-    listed = ",\n".join(f"  {heads[port]}" for port in order)
+    own = re.findall(r"\w+", found["ports"])
+    listed = ",\n".join(f"  {heads[port]}" for port in _ordered(own, ports))
     lines = [
         *(f"// {line}".rstrip() for line in note),
         *[_COPIED] * copied,
@@ -149,6 +145,14 @@ def tidy(
     ]
     text = "\n".join([*lines, *registers, *wires, *starts, body, "endmodule", ""])
     return re.sub(r"\b(\d+)'h0{20,}\b", r"{\1{1'h0}}", text)
+
+
+def _ordered(own: Sequence[str], ports: Sequence[str]) -> list[str]:
+    """A module's own ports: those told first, the clock's and reset's next."""
+    # Amaranth has those of the clock domains in no order of its own
+    clocks = sorted(set(own) & {"clk", "rst"}) + sorted(filter(_OF_A_DOMAIN.fullmatch, own))
+    first = [*ports, *(port for port in clocks if port not in ports)]
+    return [*first, *(port for port in own if port not in first)]
 
 
 def _keeping(body: str, apart: Collection[str]) -> str:
