@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -13,7 +14,7 @@ from studies.hardware.classes import classes, spread
 from studies.hardware.measure import BUDGETS, SEEDS, design_space, measure
 from studies.hardware.page import devices, document, goals, paths
 from studies.hardware.pictures import draw
-from studies.hardware.points import points
+from studies.hardware.points import Point, points
 
 
 @click.command(
@@ -21,6 +22,7 @@ from studies.hardware.points import points
         f"python -m studies.hardware -o {documents.PAGES}",
         "python -m studies.hardware --only fast-24 --only compact-ecp5",
         "python -m studies.hardware --classes --only k24",
+        "python -m studies.hardware --differing k24 --differing c16-n6",
     )
 )
 @documents.folder_option("hardware.md")
@@ -41,15 +43,18 @@ from studies.hardware.points import points
     + ", ".join(point.key for group in classes() for point in group.points)
     + ".",
 )
-def command(folder: Path, keys: tuple[str, ...], of_classes: bool) -> None:
+@click.option(
+    "--differing",
+    "others",
+    multiple=True,
+    metavar="KEY",
+    help="One of these designs, to be on the page too; several times for several, some ten minutes"
+    " each.",
+)
+def command(folder: Path, keys: tuple[str, ...], of_classes: bool, others: tuple[str, ...]) -> None:
     """Place and route the cores in the devices, write hardware.md and draw its pictures."""
     differing = [point for group in classes() for point in group.points]
-    offered = differing if of_classes else points()
-    chosen = [point for point in offered if not keys or point.key in keys]
-    known = [point.key for point in offered]
-    for key in keys:
-        if key not in known:
-            raise InputError(f"--only {key}: not in the table, give one of {', '.join(known)}")
+    chosen = _chosen("--only", keys, differing if of_classes else points())
     if of_classes:
         with terminal.progress("placing", len(chosen) * (1 + len(SEEDS))) as advance:
             text = "\n".join(spread(measure(chosen, advance)))
@@ -63,11 +68,21 @@ def command(folder: Path, keys: tuple[str, ...], of_classes: bool) -> None:
         return
 
     def compute(images: Path) -> tuple[str, list[Path]]:
-        total = (len(chosen) + len(differing)) * (1 + len(SEEDS)) + len(BUDGETS) + 2
+        beside = _chosen("--differing", others, differing) if others else []
+        total = (len(chosen) + len(beside)) * (1 + len(SEEDS)) + len(BUDGETS) + 2
         with terminal.progress("placing", total) as advance:
             placed = measure(chosen, advance)
             corners = design_space(advance)
-            differed = measure(differing, advance)
+            differed = measure(beside, advance)
         return document(placed, corners, differed), draw(images, placed, corners)
 
     documents.write_document(folder / "hardware.md", compute)
+
+
+def _chosen(option: str, keys: tuple[str, ...], offered: Sequence[Point]) -> list[Point]:
+    """Those of the keys; all if there are none."""
+    known = [point.key for point in offered]
+    for key in keys:
+        if key not in known:
+            raise InputError(f"{option} {key}: not in the table, give one of {', '.join(known)}")
+    return [point for point in offered if not keys or point.key in keys]
