@@ -73,7 +73,7 @@ def _to_18_bits() -> tuple[Point, ...]:
     long = "16-bit, n = 1, p = 1, M = 64"
     return (
         _point("c16-n6", "16-bit, n = 6", _design("c16_n6", 16, 6, 0, 5), MIDDLE),
-        _point("c16-n1", long, _design("c16_n1", 16, 1, 1, 64), SMALL),
+        _point("c16-n1", long, _design("c16_n1", 16, 1, 1, 64), MIDDLE),
         _point("c18-n2", "18-bit, n = 2, p = 2, M = 8", _design("c18_n2", 18, 2, 2, 8), MIDDLE),
         _point("c18-n4", "18-bit, n = 4", _design("c18_n4", 18, 4, 0, 5), SMALL),
     )
@@ -159,7 +159,7 @@ def spread(found: Sequence[Found]) -> Iterator[str]:
                     (
                         f"{group.name}, {family}",
                         f"≥ {goal:g} MHz",
-                        f"{worst:.1f} MHz ({what}; {len(medians)} designs)",
+                        f"{worst:.1f} MHz ({what}; of {len(medians)})",
                         "yes" if worst >= goal else "**no**",
                     )
                 )

@@ -81,7 +81,7 @@ def test_a_class_holds_by_its_worst_design() -> None:
     assert "| up to 18 bits, ecp5 | ≥ 250 MHz | 260.0 MHz (" in "\n".join(spread(found))
     found[1] = (group.points[1], placed(group.points[1], 249.0))
     text = "\n".join(spread(found))
-    assert "249.0 MHz (16-bit, n = 1, p = 1, M = 64; 4 designs) | **no** |" in text
+    assert "249.0 MHz (16-bit, n = 1, p = 1, M = 64; of 4) | **no** |" in text
     assert "| 244.0 | 249.0 | 252.0 |" in text
 
 
