@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import nullcontext
 
 import pytest
@@ -51,3 +52,25 @@ def test_a_loop_of_bits_is_found_and_one_of_cells_alone_is_none() -> None:
     with quick_netlists():
         text = rtlil.convert(chain, ports=[chain.given])
     assert "$not" in text
+
+
+def test_another_threads_netlists_stay() -> None:
+    with ThreadPoolExecutor(1) as pool, quick_netlists():
+        theirs, ours = pool.submit(_nir.Netlist).result(), _nir.Netlist()
+    assert vars(theirs)
+    assert not vars(ours)
+
+
+def test_another_thread_waits_for_its_turn() -> None:
+    """One that began first and ended first would leave the other's functions behind."""
+
+    def takes_its_turn() -> None:
+        with quick_netlists():
+            pass
+
+    with ThreadPoolExecutor(1) as pool:
+        with quick_netlists():
+            theirs = pool.submit(takes_its_turn)
+            assert not wait([theirs], timeout=0.2).done
+        theirs.result()
+    assert {name: getattr(_nir.Netlist, name) for name in BEFORE} == BEFORE

@@ -13,22 +13,31 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from threading import RLock, get_ident
 from typing import Any
 from unittest.mock import patch
 
 from amaranth.hdl import _nir
 
+_one_thread_at_a_time = RLock()
+
 
 @contextmanager
 def quick_netlists() -> Iterator[None]:
-    """Let Amaranth make netlists so; of another version of it as it does by itself."""
+    """Let Amaranth make netlists so; of another version of it as it does by itself.
+
+    Another thread waits for its turn.  The netlists that this thread makes meanwhile are emptied at
+    the end; those of a thread that does not ask for it stay.
+    """
     made: list[Any] = []
+    thread = get_ident()
 
     def begin(netlist: Any) -> None:
-        made.append(netlist)
+        if get_ident() == thread:
+            made.append(netlist)
         _begin(netlist)
 
-    with ExitStack() as stack:
+    with _one_thread_at_a_time, ExitStack() as stack:
         if _is_known():
             stack.enter_context(patch.object(_nir.Value, "__new__", _value))
             for name, function in _METHODS.items():
