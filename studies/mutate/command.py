@@ -71,10 +71,7 @@ def command(folder: Path, names: tuple[str, ...], count: int, seconds: int, writ
     }
     terminal.report({}, False, "\n".join(results(found)))
     if write:
-        page = make_folder(documents.PAGES) / "mutants.md"
-        with replacing(page) as temporary:
-            temporary.write_text(document(found, count, seconds), encoding="utf-8")
-        terminal.report({}, False, f"wrote {terminal.verbatim(page)}")
+        documents.write_page(documents.PAGES / "mutants.md", document(found, count, seconds))
     every = [mutant for mutants in found.values() for mutant in mutants]
     return int(any(mutant.proof.startswith("differs") for mutant in every))
 

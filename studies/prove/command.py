@@ -9,7 +9,6 @@ import click
 
 from sculler import terminal
 from sculler_model.errors import InputError
-from sculler_model.outputs import make_folder, replacing
 from sculler_sim.prove.claims import settle
 from sculler_sim.prove.engine import Outcome, Verdict
 from sculler_sim.prove.shapes import SHAPES
@@ -51,9 +50,7 @@ def command(folder: Path, names: tuple[str, ...], write: bool, seconds: int) -> 
     if names:
         terminal.report({}, False, "\n".join(results(found)))
     if write or not names:
-        with replacing(make_folder(folder) / "proof.md") as temporary:
-            temporary.write_text(document(found, seconds), encoding="utf-8")
-        terminal.report({}, False, f"wrote {terminal.verbatim(folder / 'proof.md')}")
+        documents.write_page(folder / "proof.md", document(found, seconds))
     refuted = [
         f"{name}: {label}"
         for name, outcomes in found.items()
