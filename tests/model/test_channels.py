@@ -150,5 +150,11 @@ def test_channels_that_are_not_there():
         FastChannels(design).feed(np.zeros((2, 6), int), np.array([0, -1]))
     with pytest.raises(InputError, match="channel 2: sample 0: gyro_x = "):
         FastChannels(design).feed(np.full((1, 6), 1 << 40), np.array([2]))
+    for wrong in ("faults", "restarts"):
+        for length in (1, 3):
+            with pytest.raises(InputError, match=f"{wrong}: .*, give 2 integers or booleans"):
+                FastChannels(design).feed(
+                    np.zeros((2, 6), int), np.array([0, 1]), **{wrong: np.zeros(length, int)}
+                )
     with pytest.raises(InputError, match="give 2 integers"):
         FastChannels(design).feed(np.zeros((2, 6), int), np.array([0.0, 1.0]))

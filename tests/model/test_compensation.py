@@ -430,3 +430,16 @@ def test_the_denominator_that_is_said_to_fit_fits() -> None:
         design({"denominator": 1 << 39})
     with pytest.raises(InputError, match="accel_denominator: 1099511627776 makes samples of 64"):
         design({"accel_denominator": 1 << 40})
+
+
+def test_factors_that_all_round_to_nothing_leave_constant_samples() -> None:
+    """Scale factors of 9 parts in one over a denominator of 2: a tenth of a count is none."""
+    bent = {"scale_factor": [9e6] * 3}
+    made = design({"denominator": 2, "gyro": bent, "accel": bent})
+    plan = made.compensation_plan
+    assert plan is not None
+    assert (plan.reach, plan.offsets) == (0, (0,) * 6)
+    counts = np.arange(12 * made.samples_per_major).reshape(-1, 6)
+    block = FastModel(made).feed(counts)
+    assert len(block) == 2
+    assert not any(block.vector(name).any() for name in ("alpha", "nu"))

@@ -13,7 +13,7 @@ from sculler.checks.breaks import BreakFinder
 from sculler.formats.log import read_log
 from sculler.words import Advance
 from sculler_model.design import Design
-from sculler_model.fast import VectorBlock
+from sculler_model.fast import VectorBlock, channel_runs
 from sculler_model.golden import ChannelModel
 from sculler_model.samples import end_after_stamp
 
@@ -59,17 +59,13 @@ class ChannelSource:
     ) -> NDArray[np.int64]:
         """Which of the samples end a major interval of their channel, in order."""
         span = self._design.samples_per_major
-        again = np.zeros(len(channels), bool) if restarts is None else restarts != 0
-        order = np.argsort(channels, kind="stable")
         found = [np.zeros(0, np.int64)]
-        for mine in np.split(order, np.flatnonzero(np.diff(channels[order])) + 1):
-            channel = channels[mine[0]]
-            for number, part in enumerate(np.split(mine, np.flatnonzero(again[mine]))):
-                if number:
-                    self._cut += int(self._phases[channel])
-                    self._phases[channel] = 0
-                found.append(part[span - 1 - self._phases[channel] :: span])
-                self._phases[channel] = (self._phases[channel] + len(part)) % span
+        for channel, anew, part in channel_runs(channels, restarts):
+            if anew:
+                self._cut += int(self._phases[channel])
+                self._phases[channel] = 0
+            found.append(part[span - 1 - self._phases[channel] :: span])
+            self._phases[channel] = (self._phases[channel] + len(part)) % span
         return np.sort(np.concatenate(found))
 
     @property

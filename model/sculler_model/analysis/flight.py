@@ -149,9 +149,9 @@ class Profile:
         T, rate = design.sample_interval, design.sensor.kind == "rate"
         if design.sensor_response is not None:
             return passed(design, self.felt, first + int(rate), count)
+        if not rate:
+            return self.felt.increments(count, T, first)
         number = np.arange(first, first + count + 1, dtype=np.float64)
-        if design.sensor.kind == "increment":
-            return np.diff(self.gone(number * T), axis=0)
         return np.diff(self.gone((number + 0.5) * T), axis=0) / T
 
     @cached_property

@@ -85,12 +85,11 @@ class Manoeuvre:
         T, rate = design.sample_interval, design.sensor.kind == "rate"
         if design.sensor_response is not None:
             return passed(design, self.felt, int(rate) - reach(design, self.felt)[0], count)
+        if not rate:
+            return self.felt.increments(count, T)
         number = np.arange(count + 1, dtype=np.float64)
         out = np.zeros((count, 6))
-        if design.sensor.kind == "increment":
-            out[:, :3] = np.diff(self.angle(number * T), axis=0)
-        else:
-            out[:, :3] = np.diff(self.angle((number + 0.5) * T), axis=0) / T
+        out[:, :3] = np.diff(self.angle((number + 0.5) * T), axis=0) / T
         return out
 
     def start(self, design: Design) -> float:

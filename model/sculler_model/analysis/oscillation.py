@@ -104,9 +104,7 @@ class Cone(Oscillation):
     def complete(self, design: Design, block: VectorBlock, omega: float, start: float) -> float:
         """See `Oscillation`."""
         increments = major_increments(design, block)
-        w, i, j, k = Coning(self.half_angle, omega).attitude(np.array([start])).T
-        x, y, z = rotation_vectors(running_attitude(increments.phi)[-1:]).T
-        turned = rotate((w, i, j, k), (x, y, z))[2].item()  # about the cone's axis
+        turned = self._about_axis(running_attitude(increments.phi)[-1:], omega, start)
         # the last LSB of the cone's constant rate waits in the quantiser: no drift, so taken off
         seconds = len(block) * design.major_interval
         constant = -2 * omega * sin(self.half_angle / 2) ** 2 * seconds
@@ -117,10 +115,13 @@ class Cone(Oscillation):
     ) -> float:
         """See `Oscillation`."""
         last = attitude_on(design, samples, degree=degree, edge=edge)[-1:]
-        start = np.array([edge * design.sample_interval])
-        w, i, j, k = Coning(self.half_angle, omega).attitude(start).T
-        x, y, z = rotation_vectors(last).T
-        return float(rotate((w, i, j, k), (x, y, z))[2].item())  # about the cone's axis
+        return self._about_axis(last, omega, edge * design.sample_interval)
+
+    def _about_axis(self, turned: Array, omega: float, start: float) -> float:
+        """Angle about the cone's axis, rad, of a turn (1, 4) that begins at time `start`."""
+        w, i, j, k = Coning(self.half_angle, omega).attitude(np.array([start])).T
+        x, y, z = rotation_vectors(turned).T
+        return float(rotate((w, i, j, k), (x, y, z))[2].item())
 
 
 @dataclass(frozen=True)

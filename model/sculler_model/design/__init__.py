@@ -47,7 +47,7 @@ from sculler_model.design.sensor_errors import (
     AxisErrors,
     Drawn,
     SensorErrors,
-    cannot_be_undone,
+    why_not_undone,
 )
 from sculler_model.design.word_lengths import (
     MAX_BITS,
@@ -92,12 +92,12 @@ __all__ = [
     "Term",
     "WordLengths",
     "at_another_rate",
-    "cannot_be_undone",
     "columns_of",
     "cross_range",
     "faults_of",
     "name_fault",
     "range_of_sum",
     "scales_hash",
+    "why_not_undone",
     "word_lengths",
 ]

@@ -16,7 +16,7 @@ from sculler_model.design.compensation_plan import CompensationPlan, ProductTerm
 from sculler_model.design.interval import Interval
 from sculler_model.design.matrices import Matrix, Row, dot, inverse, product, scaled
 from sculler_model.design.sensor import Axes, Sensor
-from sculler_model.design.sensor_errors import AxisErrors, SensorErrors, cannot_be_undone
+from sculler_model.design.sensor_errors import AxisErrors, SensorErrors, why_not_undone
 from sculler_model.design.size_effect import REACH, SizeEffect, size_effect
 
 MAX_SAMPLE_BITS = 62
@@ -59,11 +59,8 @@ class Compensation(SensorErrors):
         for name, axes in (("gyro", self.gyro), ("accel", self.accel)):
             for key in type(axes).model_fields:
                 value = getattr(axes, key)
-                if cannot_be_undone(key, value):
-                    raise ValueError(
-                        f"{name}.{key}: is random or a limit, so it cannot be undone, leave it out"
-                        " or give numbers"
-                    )
+                if why := why_not_undone(key, value):
+                    raise ValueError(f"{name}.{key}: {why}")
                 if value is not None and key in _BENT:
                     raise ValueError(
                         f"{name}.{key}: is not linear in the samples, undo it in the log, by"

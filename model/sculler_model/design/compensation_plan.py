@@ -12,6 +12,7 @@ before the first one after reset are zero, as in the core.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple
 
 from sculler_model.design.interval import ZERO_RANGE, Interval, range_of_sum
@@ -82,8 +83,9 @@ class CompensationPlan:
     @property
     def reach(self) -> int:
         """How many samples before the newest the oldest one lies that is used."""
-        lags = [term.lag for terms in self.outputs for term in terms]
-        return max(*lags, *(term.lag for terms in self.products for term in terms))
+        single = (term.lag for terms in self.outputs for term in terms)
+        double = (term.lag for terms in self.products for term in terms)
+        return max(chain(single, double), default=0)
 
     def ranges(self, gyro: Interval, accel: Interval) -> tuple[Interval, Interval]:
         """Of the outputs for gyros and for accelerometers, over all sequences of counts, and 0.

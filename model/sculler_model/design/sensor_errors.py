@@ -181,6 +181,8 @@ class SensorErrors(Part):
         return self
 
 
-def cannot_be_undone(key: str, value: object) -> bool:
-    """Whether what a key of `AxisErrors` says is random or a limit."""
-    return value is not None and (key in RANDOM or isinstance(value, Drawn))
+def why_not_undone(key: str, value: object) -> str | None:
+    """What is to be said of a key of `AxisErrors` that is random or a limit; None of others."""
+    if value is None or not (key in RANDOM or isinstance(value, Drawn)):
+        return None
+    return "is random or a limit, so it cannot be undone, leave it out or give numbers"

@@ -5,7 +5,7 @@
 """
 
 from sculler_model.fast.blocks import VectorBlock, component_limbs
-from sculler_model.fast.channels import FastChannels
+from sculler_model.fast.channels import FastChannels, channel_runs
 from sculler_model.fast.compensation import FastCompensator
 from sculler_model.fast.model import FastModel, run_fast
 from sculler_model.fast.wide import Integers, WideIntegers, as_integers, from_limbs, limbs_of
@@ -18,6 +18,7 @@ __all__ = [
     "VectorBlock",
     "WideIntegers",
     "as_integers",
+    "channel_runs",
     "component_limbs",
     "from_limbs",
     "limbs_of",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -10,7 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from sculler_model.design import Design
 from sculler_model.errors import InputError
+from sculler_model.fast.arithmetic import BLOCK
 from sculler_model.fast.blocks import VectorBlock
+from sculler_model.fast.counts import as_counts, as_faults
 from sculler_model.fast.model import FastModel
 
 
@@ -78,36 +81,33 @@ class FastChannels:
             InputError: the arrays are not of this form, there is no such channel, or a count does
                 not fit.  What became of the samples before is then not said.
         """
-        table = np.asarray(counts)
-        if table.ndim != 2 or table.shape[1] != 6:
-            raise InputError(f"counts: shape {table.shape}, give (samples, 6)")
+        table = as_counts(counts)
         whose = self._checked(channels, len(table))
-        fault = None if faults is None else np.asarray(faults)
-        again = np.zeros(len(table), bool) if restarts is None else np.asarray(restarts) != 0
+        fault = None if faults is None else as_faults(faults, len(table))
+        again = None if restarts is None else as_faults(restarts, len(table), "restarts")
         blocks, ends = [VectorBlock.from_rows([], self.design)], [np.zeros(0, np.int64)]
-        owners = [np.zeros(0, np.int64)]
-        order = np.argsort(whose, kind="stable")
-        edges = np.flatnonzero(np.diff(whose[order])) + 1
-        for mine in np.split(order, edges) if len(order) else []:
-            channel = int(whose[mine[0]])
-            model = self.models.setdefault(channel, FastModel(self.design, threads=1))
-            first = np.flatnonzero(again[mine])
-            for number, part in enumerate(np.split(mine, first)):
-                if number:
-                    model.reset()
-                if not len(part):
-                    continue
-                span = self.design.samples_per_major
-                ended = part[span - 1 - model.leftover :: span]
-                try:
-                    block = model.feed(table[part], None if fault is None else fault[part])
-                except InputError as error:
-                    raise InputError(f"channel {channel}: {error}") from error
-                blocks.append(block)
-                ends.append(ended)
-                owners.append(np.full(len(ended), channel, np.int64))
+        owners, span = [np.zeros(0, np.int64)], self.design.samples_per_major
+        for channel, anew, part in channel_runs(whose, again):
+            model = self._model(channel)
+            if anew:
+                model.reset()
+            ended = part[span - 1 - model.leftover :: span]
+            try:
+                block = model.feed(table[part], None if fault is None else fault[part])
+            except InputError as error:
+                raise InputError(f"channel {channel}: {error}") from error
+            blocks.append(block)
+            ends.append(ended)
+            owners.append(np.full(len(ended), channel, np.int64))
         joined, turn = VectorBlock.concatenate(blocks), np.argsort(np.concatenate(ends))
         return replace(joined[turn], channels=np.concatenate(owners)[turn])
+
+    def _model(self, channel: int) -> FastModel:
+        """The channel's model; they have as much room for their work together as one has."""
+        if channel not in self.models:
+            room = max(BLOCK // self.design.channels, 1024)
+            self.models[channel] = FastModel(self.design, threads=1, block=room)
+        return self.models[channel]
 
     def _checked(self, channels: ArrayLike, samples: int) -> NDArray[np.int64]:
         whose: NDArray[Any] = np.asarray(channels)
@@ -122,3 +122,24 @@ class FastChannels:
                 f" give 0 to {self.design.channels - 1}"
             )
         return whose.astype(np.int64)
+
+
+def channel_runs(
+    channels: NDArray[np.int64], restarts: NDArray[Any] | None
+) -> Iterator[tuple[int, bool, NDArray[np.intp]]]:
+    """Samples of many channels, sorted out.
+
+    Args:
+        channels: (N,) whose sample each is.
+        restarts: (N,) not 0 where its channel begins anew with it; None for nowhere.
+
+    Yields:
+        A channel, whether it begins anew, and which of the samples are its own until it does so
+        again, in order, one or more; channel after channel.
+    """
+    again = np.zeros(len(channels), np.bool_) if restarts is None else restarts != 0
+    order = np.argsort(channels, kind="stable")
+    for mine in np.split(order, np.flatnonzero(np.diff(channels[order])) + 1):
+        for number, part in enumerate(np.split(mine, np.flatnonzero(again[mine]))):
+            if len(part):
+                yield int(channels[part[0]]), number > 0, part

@@ -56,8 +56,8 @@ def as_counts(counts: ArrayLike) -> Counts:
     return array
 
 
-def as_faults(faults: ArrayLike | None, samples: int) -> NDArray[Any]:
-    """The samples' faults as an array (N,); of length 0 where there are none.
+def as_faults(faults: ArrayLike | None, samples: int, name: str = "faults") -> NDArray[Any]:
+    """The samples' faults, or other marks, as an array (N,); of length 0 where there are none.
 
     Raises:
         InputError: there are not so many, or they are no integers.
@@ -67,7 +67,7 @@ def as_faults(faults: ArrayLike | None, samples: int) -> NDArray[Any]:
     array = np.asarray(faults)
     if array.shape != (samples,) or array.dtype.kind not in "iub":
         raise InputError(
-            f"faults: an array of shape {array.shape} and type {array.dtype} is not allowed,"
+            f"{name}: an array of shape {array.shape} and type {array.dtype} is not allowed,"
             f" give {samples} integers or booleans, one per sample"
         )
     return array

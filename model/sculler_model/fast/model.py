@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache, partial
+from functools import cache
 from itertools import pairwise
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, NamedTuple
@@ -274,14 +274,18 @@ class FastModel:
             # first what reaches into the rows that were kept, which must be copied
             head = min(-(-len(rows.kept) // span), majors)
             edges = sorted({*range(0, head, size), *range(head, majors, size), majors})
-            _share(partial(self._by_kernel, kernel, rows, place, rails), edges, self._threads)
+
+            def compute(first: int, last: int) -> None:
+                self._by_kernel(kernel, rows, place, rails, slice(first, last))
+
+            _share(compute, edges, self._threads)
         return rails
 
     def _by_kernel(
-        self, kernel: Kernel, rows: Rows, place: _Place, rails: NDArray[np.bool_], *edges: int
+        self, kernel: Kernel, rows: Rows, place: _Place, rails: NDArray[np.bool_], part: slice
     ) -> None:
         """Compute the results of some major intervals."""
-        (first, last), span = edges, self.design.samples_per_major
+        first, last, span = part.start, part.stop, self.design.samples_per_major
         history = self._arithmetic.history
         begin, end = first * span, last * span + history
         if not np.can_cast(rows.counts.dtype, np.int64):  # the greatest would wrap

@@ -1,6 +1,6 @@
 """The reference of what stands before the core: (C1) of `design.CompensationPlan`, in plain Python.
 
-y_i(t) = Σ factor · x_source(t - lag) + offset_i
+y_i(t) = Σ factor · x_source(t - lag) + Σ factor · x_first(t - lag) x_second(t - lag) + offset_i
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from math import ceil, floor, radians
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.design import AxisErrors, Design, Drawn, SensorErrors, cannot_be_undone
+from sculler_model.design import AxisErrors, Design, Drawn, SensorErrors, why_not_undone
 from sculler_model.errors import InputError
 from sculler_model.frames import STANDARD_GRAVITY
 
@@ -78,11 +78,8 @@ class Calibration:
         for name, axes in (("gyro", errors.gyro), ("accel", errors.accel)):
             for key in type(axes).model_fields:
                 value = getattr(axes, key)
-                if cannot_be_undone(key, value):
-                    raise InputError(
-                        f"{name}.{key}: is random or a limit, so it cannot be undone, leave it out"
-                        " or give numbers"
-                    )
+                if why := why_not_undone(key, value):
+                    raise InputError(f"{name}.{key}: {why}")
         degree, gravity = radians(1), STANDARD_GRAVITY
         arms = errors.arms_m or [[0.0] * 3] * 3
         return cls(
