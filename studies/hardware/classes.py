@@ -129,8 +129,10 @@ def spread(found: Sequence[Found]) -> Iterator[str]:
     sixteen = sum(len(group.points) for group in classes())
     yield documents.paragraph(
         f"Designs that nobody tuned, chosen to differ; ECP5 -6. These are {len(found)} of"
-        f" {sixteen}; `python -m studies.hardware --classes` places all, which takes hours. The"
-        " goal is for the median of the worst design of a class."
+        f" {sixteen}, asked for by `python -m studies.hardware"
+        + "".join(f" --differing {point.key}" for point, _ in found)
+        + "`; `--classes` places all and shows them, which takes hours. The goal is for the median"
+        " of the worst design of a class."
     )
     yield ""
     rows, goals = [], []
