@@ -213,6 +213,7 @@ def _port_texts(design: Design) -> dict[str, object]:
     counters = counter_ports(design)
     at_once = design.hardware.resets_at_once
     stream = design.hardware.handover == "stream"
+    ends = f"`{outputs[-1].name}` (top) to `{outputs[0].name}`"
     return {
         "lost_part": words_per_column(design) if stream else 0,
         "lost_bit": (STATUS_LOST.bit_length() - 1) + (0 if stream else outputs[0].bits),
@@ -224,7 +225,7 @@ def _port_texts(design: Design) -> dict[str, object]:
         "declarations": "\n".join(declarations(outputs)),
         "connections": ",\n".join(connections(inputs, outputs)),
         "checks": "\n".join(checks(outputs)),
-        "expected": _STREAM_LINE if stream else _PARALLEL_LINE,
+        "expected": _STREAM_LINE if stream else f"one result a line: the ports from {ends}",
     }
 
 
@@ -271,9 +272,6 @@ def _clocking(design: Design) -> dict[str, object]:
 
 
 _STREAM_LINE = "one word of a result a line: `result_last` (top bit) and `result_data`"
-_PARALLEL_LINE = (
-    "one result a line: the ports from `result_sculling_between_z` (top) to `result_major`"
-)
 
 
 _COUNTED = {"samples_lost": "lost", "results_dropped": "dropped"}

@@ -7,12 +7,19 @@ import numpy as np
 import pytest
 from amaranth import C, Module, Signal
 
-from bench_files import bench_of, run_bench, shell
+from bench_files import PLAIN, bench_of, run_bench, shell
 from sculler_hdl import generate, timing
 from sculler_hdl.compact.loader import Loader
 from sculler_hdl.lib.losses import Losses, emit_event_counter
 from sculler_hdl.pipelined import core as pipelined_core
-from sculler_model.design import COLUMNS, STATUS_FAULT, STATUS_LOST, STATUS_RAIL, VECTORS
+from sculler_model.design import (
+    COLUMNS,
+    STATUS_FAULT,
+    STATUS_LOST,
+    STATUS_RAIL,
+    VECTORS,
+    Design,
+)
 from sculler_model.errors import InputError
 from sculler_model.golden import Timing, words_per_column, words_per_result
 from sculler_sim.bench_runs import LEAST, plan_runs, samples_of
@@ -276,6 +283,14 @@ def test_a_wrong_latency_fails(icarus, tmp_path):
             r"FAIL: clock \d+, (result_valid|sample_ready)",
             shell(commands["icarus"], tmp_path).stdout,
         )
+
+
+@pytest.mark.parametrize(("order", "top"), [(2, "between"), (3, "third"), (4, "fourth")])
+def test_the_readme_names_the_ends_of_a_line(order, top, tmp_path):
+    design = Design.parse({"preset": "stim300", "algorithm": {"order": order, "minors": 1}})
+    write_testbench(design, tmp_path, timing(design), least=PLAIN)
+    line = f"the ports from `result_sculling_{top}_z` (top) to `result_major`"
+    assert line in " ".join((tmp_path / "README.md").read_text().split())
 
 
 def test_it_runs_from_another_folder(icarus, tmp_path):

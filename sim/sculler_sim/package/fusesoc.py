@@ -84,7 +84,7 @@ def _simulations(name: str, filesets: list[str]) -> dict[str, Any]:
             "flow_options": {
                 "tool": "verilator",
                 "mode": "binary",
-                "verilator_options": ["--timing", "-CFLAGS", "-std=c++20"],
+                "verilator_options": [*"--timing --output-split 0 -CFLAGS -std=c++20".split()],
             },
         },
     }
