@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from amaranth import Module
 from amaranth.lib import wiring
 
@@ -14,6 +12,7 @@ from sculler_hdl.lib.losses import Losses
 from sculler_hdl.pipelined.core import PipelinedCore
 from sculler_hdl.plan.compensation import plan_compensation
 from sculler_hdl.plan.ports import counter_ports, result_ports
+from sculler_hdl.plan.timing import timing
 from sculler_model.design import Design
 
 
@@ -48,7 +47,7 @@ class CompensatedCore(wiring.Component):
         self.plan = plan_compensation(design)
         made = CompactCore if design.hardware.core == "compact" else PipelinedCore
         self.core = made(design.inner, primitive=primitive, behind=True)
-        self.timing = replace(self.core.timing, compensation=self.plan.clocks)
+        self.timing = timing(design)
         self.resources = {**self.core.resources, **self.plan.resources}
         groups = self.core.block_groups
         self.block_groups = groups and tuple(

@@ -62,15 +62,8 @@ def properties(design: Design) -> str:
         InputError: `hardware.multipliers` are too few, or the design has another reset than the
             usual, a clock enable, compensation, or channels.
     """
-    if design.compensation is not None:
-        raise InputError("compensation: the properties are those of a core without, leave it out")
-    if not design.hardware.clocked_plainly:
-        raise InputError(
-            "hardware.reset, reset_active, clock_enable: the properties are those of a core with"
-            " the usual reset and no clock enable, leave them out"
-        )
-    if design.channels > 1:
-        raise InputError("hardware.channels: properties are those of a core with one, leave it out")
+    if why := _why_none(design):
+        raise InputError(why)
     clocks = timing(design)
     numbers = {**_samples(design, clocks), **_results(design, clocks)}
     held = list(_conditions(design, clocks))
@@ -96,10 +89,21 @@ def properties(design: Design) -> str:
 
 def property_file(design: Design) -> dict[str, str]:
     """The same by its file's name; none where `properties` has none."""
-    none = design.compensation is not None or design.channels > 1
-    if not design.hardware.clocked_plainly or none:
-        return {}
-    return {f"{design.name}_properties.sv": properties(design)}
+    return {} if _why_none(design) else {f"{design.name}_properties.sv": properties(design)}
+
+
+def _why_none(design: Design) -> str | None:
+    """Why a design has no properties; None where it has."""
+    if design.compensation is not None:
+        return "compensation: the properties are those of a core without, leave it out"
+    if not design.hardware.clocked_plainly:
+        return (
+            "hardware.reset, reset_active, clock_enable: the properties are those of a core with"
+            " the usual reset and no clock enable, leave them out"
+        )
+    if design.channels > 1:
+        return "hardware.channels: properties are those of a core with one, leave it out"
+    return None
 
 
 def _template() -> _Template:

@@ -76,7 +76,9 @@ def unit_ports(design: Design) -> tuple[Port, ...]:
     unread = _unread(design)
     ports: list[Port] = []
     for port in found.values():
-        ports += [port, *(unread[name] for name in (port.name,) if name in unread)]
+        ports.append(port)
+        if port.name in unread:
+            ports.append(unread[port.name])
     return (*clocks, *ports)
 
 

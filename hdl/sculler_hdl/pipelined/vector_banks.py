@@ -203,7 +203,7 @@ class VectorBanks(wiring.Component):
 
     def _written(self, m: Module, side: str, bits: int, vectors: Sequence[str]) -> list[Value]:
         """The banks of the left or right factors, at clock -1; they are read as the fields say."""
-        plan, _page = self.plan, self.plan.page
+        plan = self.plan
         loads = len(plan.loads.get(side, ()))
         clock = plan.fetched + plan.store_delay
         stores = self._flag(m, f"store_{side}", clock)

@@ -146,7 +146,7 @@ def _times(design: Design) -> list[Port]:
 def own_bus_ports(kind: str, status_bits: int = STATUS_BITS) -> list[Port]:
     """Those of a kind of bus, by the names that its standard has for them."""
     return [
-        Port(name, status_bits if told == _STATUS else bits, output=output, told=told)
+        Port(name, status_bits if name in ("user", "status") else bits, output=output, told=told)
         for name, bits, output, told in _LISTS[kind]
     ]
 
@@ -219,15 +219,13 @@ _APB: _Listed = [
     ("pslverr", 1, True, "the access was an error"),
 ]
 
-_STATUS = "status of the result, at each of its words"
-
 _AXI_STREAM: _Listed = [
     ("valid", 1, True, "a word of a result is shown"),
     ("ready", 1, False, "it is taken in this clock"),
     ("data", 32, True, "columns in order, least significant word first; then time stamps"),
     ("keep", 4, True, "bytes that count: all"),
     ("last", 1, True, "this word is the result's last"),
-    ("user", STATUS_BITS, True, _STATUS),
+    ("user", STATUS_BITS, True, "status of the result, at each of its words"),
 ]
 
 _STREAM: _Listed = [

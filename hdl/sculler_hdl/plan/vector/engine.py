@@ -241,10 +241,10 @@ class VectorEnginePlan:
     @cached_property
     def words(self) -> list[int]:
         """The program's words."""
-        packed = []
+        packed, result_row = [], self.result_row
         for number, row in enumerate(self.program.rows):
             values = self._step_fields(row) | self._store_fields(row)
-            values["result"] = int(number == self.result_row)
+            values["result"] = int(number == result_row)
             word = shift = 0
             for name, bits in self.fields:
                 value = values.get(name, 0)

@@ -25,9 +25,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import Enum, auto
+from functools import reduce
 from typing import NamedTuple
 
-from sculler_model.design import Design, DualRange, Interval
+from sculler_model.design import ZERO_RANGE, Design, DualRange, Interval
 
 HALVES = ("angle", "velocity")
 """Of a dual vector."""
@@ -304,7 +305,7 @@ class Page:
     def _rights(self) -> list[Interval]:
         names = {step.right for task in self.tasks for step in task.steps}
         return [
-            Interval(min(name, 0), max(name, 0)) if isinstance(name, int) else self.ranges[name]
+            ZERO_RANGE | Interval(name, name) if isinstance(name, int) else self.ranges[name]
             for name in names
         ]
 
@@ -316,16 +317,12 @@ class Page:
 
     def _find_ranges(self) -> None:
         """Of all factors and sums."""
-
-        def joined(ranges: Sequence[Interval]) -> Interval:
-            return Interval(
-                min(0, *(each.lo for each in ranges)), max(0, *(each.hi for each in ranges))
-            )
-
         lefts = {step.left for task in self.tasks for step in task.steps}
-        self.left_range = joined([self.ranges[name] for name in sorted(lefts)])
-        self.right_range = joined(self._rights())
-        self.total_range = joined([self.ranges[task.target] for task in self.tasks])
+        totals = (self.ranges[task.target] for task in self.tasks)
+        self.left_range, self.right_range, self.total_range = (
+            reduce(Interval.__or__, ranges, ZERO_RANGE)
+            for ranges in ((self.ranges[name] for name in lefts), self._rights(), totals)
+        )
 
 
 def _cross(left: str, right: str, *, subtract: bool = False, digit: int = 0) -> Steps:

@@ -8,7 +8,7 @@ go on meanwhile: of those that can start, the one with the longest way to the en
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -82,8 +82,7 @@ class Program:
             stored[start + last + self.slots.store] = task
         rows = []
         for slot in range(max(stored) + 1):
-            row = steps.get(slot, Row())
-            rows.append(Row(row.step, row.task, row.first, row.last, stored.get(slot)))
+            rows.append(replace(steps.get(slot, Row()), stored=stored.get(slot)))
         return rows
 
     def _waits_for(self, task: Task) -> Iterator[tuple[int, str, bool]]:
