@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from textwrap import fill
 
 import click
 
@@ -26,7 +25,17 @@ _ABOUT = (
     " register and with the choice behind it: hence the fall of the rate from 64 channels on."
 )
 
-_HEAD = "| C | device | LUT4 | registers | DP16KD | MHz | samples/s | each, Hz | start-up, clocks |"
+_HEADINGS = (
+    "C",
+    "device",
+    "LUT4",
+    "registers",
+    "DP16KD",
+    "MHz",
+    "samples/s",
+    "each, Hz",
+    "start-up, clocks",
+)
 
 
 @click.command(
@@ -66,19 +75,24 @@ def command(folder: Path, counts: tuple[int, ...]) -> None:
 
 def table(found: Sequence[Measured]) -> list[str]:
     """The rows, in Markdown."""
-    lines = [
-        _HEAD,
-        "|---:|---|---:|---:|---:|---:|---:|---:|---:|",
-    ]
+    rows = []
     for one in found:
         placed = one.placement
         start = timing(design_of(one.unit, one.channels)).startup
-        lines.append(
-            f"| {one.channels} | {placed.device.split()[0]} | {placed.area.luts}"
-            f" | {placed.area.flip_flops} | {placed.area.memories} | {placed.fmax_mhz or 0:.0f}"
-            f" | {placed.samples_per_second or 0:,.0f} | {one.each_hz:,.0f} | {start} |"
+        rows.append(
+            (
+                f"{one.channels}",
+                placed.device.split()[0],
+                f"{placed.area.luts}",
+                f"{placed.area.flip_flops}",
+                f"{placed.area.memories}",
+                f"{placed.fmax_mhz or 0:.0f}",
+                f"{placed.samples_per_second or 0:,.0f}",
+                f"{one.each_hz:,.0f}",
+                f"{start}",
+            )
         )
-    return lines
+    return list(documents.table("rlrrrrrrr", _HEADINGS, rows))
 
 
 def served(found: Sequence[Measured]) -> str:
@@ -98,7 +112,7 @@ def served(found: Sequence[Measured]) -> str:
 def document(found: Sequence[Measured]) -> str:
     """The page."""
     lines = ["# One core for many sensors", "", "<!-- written by `python -m studies.channels` -->"]
-    lines += ["", fill(_ABOUT, documents.WIDTH), "", fill(served(found), documents.WIDTH), ""]
+    lines += ["", documents.paragraph(_ABOUT), "", documents.paragraph(served(found)), ""]
     for unit in UNITS:
         lines += [f"## {unit}", *table([one for one in found if one.unit == unit]), ""]
     lines += [

@@ -150,10 +150,7 @@ def read_log(path: str | Path, design: Design | None = None) -> Log:
     chunks = list(files.read_log(path, design))
     counts, *others = zip(*chunks, strict=True)
     joined = [None if part[0] is None else np.concatenate(part) for part in others]
-    own, of_channels = joined[:3], joined[3:]
-    if any(column is not None and column.any() for column in of_channels):
-        raise InputError(f"{path}: it has samples of several channels, which `Log` cannot hold")
-    return Log(np.concatenate(counts), *own)
+    return Log(np.concatenate(counts), *joined[:3])  # a log of channels is refused by now
 
 
 def write_log(path: str | Path, log: LogLike) -> None:

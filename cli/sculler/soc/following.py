@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,7 +140,7 @@ class _Follower:
         history = navigate(
             self._state,
             self._interval,
-            self._without_bias(self._increments[first:stop]),
+            self._increments[first:stop].without_bias(self._bias, self._interval),
             lambda state, interval: Navigator(state, interval, position_every=every),
         ).rows(slice(1, None))
         self._states.append(history)
@@ -183,7 +183,3 @@ class _Follower:
             return find(window, self._interval, start.lat, start.h, asked.noise)
         except InputError:
             return None
-
-    def _without_bias(self, increments: MajorIncrements) -> MajorIncrements:
-        turned = self._interval * self._bias
-        return replace(increments, phi=increments.phi - turned, alpha=increments.alpha - turned)

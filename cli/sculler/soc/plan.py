@@ -8,16 +8,18 @@ from math import ceil, cos, sqrt
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.golden import words_per_column
-from sculler_model.navigation import NavState, SensorNoise
+from sculler_model.navigation import (
+    MIN_ALIGNMENT_INTERVALS,
+    MIN_ALIGNMENT_SECONDS,
+    NavState,
+    SensorNoise,
+)
 
 BAUD = 921_600
 """Of the telemetry's line."""
 
 COUNTERS = ("FRAMES_TAKEN", "FRAMES_BAD", "FRAMES_MISSED", "FRAMES_LATE", "SAMPLES_LOST")
 """Registers of the unit that each result's telemetry tells."""
-
-LEAST_ALIGNMENT_S, FEWEST_RESULTS = 10.0, 10
-"""Of a window at rest, as the library has them."""
 
 MEMORY_KIB, LARGE_MEMORY_KIB = 64, 128
 """The usual ones; the large one for a firmware that aligns, or has orders beyond the second."""
@@ -55,7 +57,7 @@ def chip_alignment(
         InputError: the window is too short, the noise is not known, or north cannot be found there.
     """
     results = max(1, round(seconds / design.major_interval))
-    least = max(FEWEST_RESULTS, ceil(LEAST_ALIGNMENT_S / design.major_interval - 1e-9))
+    least = max(MIN_ALIGNMENT_INTERVALS, ceil(MIN_ALIGNMENT_SECONDS / design.major_interval - 1e-9))
     if results < least:
         raise InputError(
             f"--align {seconds:g}: {results} results are too short, give"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from sculler_model.design import STATUS_SHORT_HISTORY
 from sculler_model.errors import InputError
@@ -121,6 +121,16 @@ class MajorIncrements(Table):
             " so its sums or corrections are not whole; begin after it, with the state at its end"
             " (increments[increments.leading_short:]), or take it as it is (accepted_as_whole())"
         )
+
+    def without_bias(self, bias: ArrayLike, interval: float) -> MajorIncrements:
+        """The same increments with the gyros' bias taken out of φ and α; ΔV_SF stays as it is.
+
+        Args:
+            bias: (3,) rad/s, in body axes.
+            interval: length of a major interval, s.
+        """
+        turned = interval * np.asarray(bias)
+        return replace(self, phi=self.phi - turned, alpha=self.alpha - turned)
 
     def accepted_as_whole(self) -> MajorIncrements:
         """The same increments with status bit 0 cleared: what is missing is known to do no harm."""

@@ -7,6 +7,8 @@ those import.
 
 from sculler_model.navigation.alignment import (
     ESTIMATED,
+    MIN_ALIGNMENT_INTERVALS,
+    MIN_ALIGNMENT_SECONDS,
     Alignment,
     align,
     alignment_warnings,
@@ -60,6 +62,8 @@ from sculler_model.navigation.state import (
 __all__ = [
     "ESTIMATED",
     "MAX_HEIGHT",
+    "MIN_ALIGNMENT_INTERVALS",
+    "MIN_ALIGNMENT_SECONDS",
     "MIN_HEIGHT",
     "NAUTICAL_MILE",
     "NAVIGATION_GRADE",

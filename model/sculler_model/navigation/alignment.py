@@ -29,13 +29,16 @@ from sculler_model.navigation.state import NavState
 
 Array = NDArray[np.float64]
 
-MIN_SECONDS = 10.0
+MIN_ALIGNMENT_SECONDS = 10.0
 """Shortest window; a good heading takes minutes."""
 
 ESTIMATED = SensorNoise()
 """Nothing known: the window shows the noise."""
 
-_FEWEST, _SEGMENTS = 10, 128  # intervals; parts to see the noise's spectrum in, at most
+MIN_ALIGNMENT_INTERVALS = 10
+"""Shortest window of alignment, in major intervals."""
+
+_SEGMENTS = 128  # parts to see the noise's spectrum in, at most
 
 
 @dataclass(frozen=True)
@@ -151,10 +154,11 @@ def refuse_unfit_window(increments: MajorIncrements, interval: float, lat: float
     increments.require_whole("alignment")
     count = len(increments)
     seconds = count * interval
-    if seconds < MIN_SECONDS or count < _FEWEST:
+    if seconds < MIN_ALIGNMENT_SECONDS or count < MIN_ALIGNMENT_INTERVALS:
         raise InputError(
             f"alignment: {seconds:.3g} s of data in {count} major intervals is too short, give at"
-            f" least {MIN_SECONDS:.0f} s and {_FEWEST} intervals (minutes for a good heading)"
+            f" least {MIN_ALIGNMENT_SECONDS:.0f} s and {MIN_ALIGNMENT_INTERVALS} intervals (minutes"
+            " for a good heading)"
         )
     if EARTH_RATE * cos(lat) < 0.01 * EARTH_RATE:
         raise InputError(

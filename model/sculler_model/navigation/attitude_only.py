@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import cos, degrees, isfinite, nan, pi, radians, sin, sqrt
 
 import numpy as np
@@ -147,8 +147,7 @@ class RestBias:
 
     def corrected(self, increments: MajorIncrements, interval: float) -> MajorIncrements:
         """Increments in body axes with the bias taken out of φ and α; ΔV_SF stays as it is."""
-        turned = interval * np.array(self.bias)
-        return replace(increments, phi=increments.phi - turned, alpha=increments.alpha - turned)
+        return increments.without_bias(self.bias, interval)
 
 
 class RestWindow:

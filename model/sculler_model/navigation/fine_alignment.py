@@ -13,7 +13,7 @@ rest tells them apart.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import cos, nan, sin
 
 import numpy as np
@@ -93,8 +93,7 @@ class FineAlignment(AttitudeEstimate):
             increments: φ and α (rad) as the gyros give them; ΔV_SF stays as it is.
             interval: length of a major interval, s.
         """
-        turned = interval * np.array(self.gyro_bias)
-        return replace(increments, phi=increments.phi - turned, alpha=increments.alpha - turned)
+        return increments.without_bias(self.gyro_bias, interval)
 
     def state(self, lat: float, lon: float, h: float, start: float = 0.0) -> NavState:
         """State at rest at the end of the window that began at time `start`."""
