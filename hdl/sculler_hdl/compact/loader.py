@@ -9,6 +9,7 @@ from amaranth import C, Cat, Module, Mux, Signal, Value, signed, unsigned
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
+from sculler_hdl.lib.rails import differ_from_sign
 from sculler_hdl.plan.compact.digits import OPERAND, digit_count
 from sculler_hdl.plan.compact.plan import CompactPlan
 from sculler_model.golden import WORD_BITS
@@ -132,18 +133,11 @@ class Loader(wiring.Component):
 
     def _find_rail(self, m: Module, count: Signal, loads: Value, index: Signal) -> None:
         """At a rail every bit differs from the sign, which fills up a narrower count."""
-        gyro, accel = self.design.words.gyro.bits, self.design.words.accel.bits
-        is_gyro = index < self.words // 2
-        *bits, sign = count
-        few = Signal(-(-len(bits) // 3))  # whether three bits each do
+        parts = differ_from_sign(count, index < self.words // 2, self.design.words)
+        few = Signal(len(parts))
         loaded = Signal()
         m.d.sync += [loaded.eq(loads), self.rail.eq(loaded & few.all())]
-        for i, part in enumerate(few):
-            differ = Value.cast(1)
-            for place in range(3 * i, min(3 * i + 3, len(bits))):
-                beyond = [is_gyro] * (place >= gyro - 1) + [~is_gyro] * (place >= accel - 1)
-                differ &= Cat(bits[place] != sign, *beyond).any()
-            m.d.sync += part.eq(differ)
+        m.d.sync += [bit.eq(differ) for bit, differ in zip(few, parts, strict=True)]
 
     def _digit(self, count: Signal, index: Signal) -> Value:
         """The digit to write: signed if it is its count's only or top one."""

@@ -13,6 +13,7 @@ from sculler_hdl.lib.accumulator import Accumulator
 from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
 from sculler_hdl.lib.memory import BlockMemory
 from sculler_hdl.lib.multiplier import Multiplier
+from sculler_hdl.lib.rails import differ_from_sign
 from sculler_hdl.plan.arrival import last_clock
 from sculler_hdl.plan.compensation import COUNTS, FIRST_STEP, PLACES, CompensationStage, Kind
 
@@ -120,19 +121,11 @@ class Compensator(wiring.Component):
         """Faults and rails of the samples that one is made of, the newest first."""
         kept = self.plan.reach + 1
         faults, rails = Signal(kept), Signal(kept)
-        # at a rail every bit differs from the sign, which fills up a narrower count
-        words = self.plan.design.words
-        *bits, sign = count
-        few = Signal(-(-len(bits) // 3))
+        parts = differ_from_sign(count, is_gyro, self.plan.design.words)
+        few = Signal(len(parts))
         loaded = Signal()
         m.d.sync += loaded.eq(loads)
-        for i, part in enumerate(few):
-            differ = Value.cast(1)
-            for place in range(3 * i, min(3 * i + 3, len(bits))):
-                beyond = [is_gyro] * (place >= words.gyro.bits - 1)
-                beyond += [~is_gyro] * (place >= words.accel.bits - 1)
-                differ &= Cat(bits[place] != sign, *beyond).any()
-            m.d.sync += part.eq(differ)
+        m.d.sync += [bit.eq(differ) for bit, differ in zip(few, parts, strict=True)]
         with m.If(loaded & few.all()):
             m.d.sync += rails[0].eq(1)
         with m.If(take):
