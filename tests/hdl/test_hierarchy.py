@@ -7,6 +7,7 @@ import re
 import pytest
 
 from bench_files import modules_of, places
+from higher_order_designs import HIGHER_ORDER
 from sculler_hdl import generate
 from sculler_hdl.export.port_names import with_signature_names
 from sculler_hdl.export.rtlil_text import bits_in, of_bits, pieces, read_modules
@@ -16,8 +17,9 @@ from sculler_sim.engines.verilator_build import emitted
 from strategies import DESIGNS, make_design, with_hardware
 from tiers import tiers
 
+KNOWN = DESIGNS | HIGHER_ORDER
 VARIANTS = {
-    f"{name}-{'-'.join(map(str, hardware.values()))}": with_hardware(DESIGNS[name], **hardware)
+    f"{name}-{'-'.join(map(str, hardware.values()))}": with_hardware(KNOWN[name], **hardware)
     for name, hardware in (
         ("dense_odd_3", {"core": "compact", "target": "ecp5"}),
         ("dense_odd_3", {"core": "compact", "target": "ice40", "multipliers": 0}),
@@ -25,13 +27,15 @@ VARIANTS = {
         ("rate_4p1", {"core": "pipelined", "target": "ecp5"}),
         ("smallest", {"core": "pipelined", "handover": "stream"}),
         ("stim300_4x5", {"core": "pipelined"}),
+        ("third_order", {"core": "pipelined"}),
+        ("third_order", {"core": "compact"}),
     )
 }
 KEPT = {"module", "input", "output", "reg", "wire", "initial", "begin", "end", "assign", "always"}
 KEPT |= {"posedge", "if", "else", "endmodule", "case", "casez", "endcase", "default", "signed"}
 
 
-@pytest.fixture(params=tiers(VARIANTS, also=["stim300_4x5-pipelined"]))
+@pytest.fixture(params=tiers(VARIANTS, also=["stim300_4x5-pipelined", "third_order-pipelined"]))
 def design(request):
     return request.param
 

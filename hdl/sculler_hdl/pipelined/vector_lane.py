@@ -15,7 +15,7 @@ from sculler_hdl.plan.vector.engine import VectorEnginePlan
 
 
 class VectorLane(wiring.Component):
-    """total' = total ± left * right * 2^(digit * digit_bits), for one axis or three in turn.
+    """total' = total +- left * right * 2^(digit * digit_bits), for one axis or three in turn.
 
     Members:
         left, right (clock 0): the operands, signed.
