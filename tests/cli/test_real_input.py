@@ -18,6 +18,7 @@ import pytest
 import scipy.io
 
 from sculler.formats.log import read_log
+from sculler.formats.telemetry import FRAME
 from sculler_model.design import Design
 
 Run = Callable[..., Any]
@@ -72,18 +73,27 @@ def test_laser_gyro_by_the_host_in_c(run: Run, data: Path, tmp_path: Path) -> No
     log, model = tmp_path / "log.csv", tmp_path / "model.csv"
     assert run("convert", source, "-o", log, "--design", DESIGN).status == 0
     assert run("model", DESIGN, log, "-o", model).status == 0
+    found = by_both_hosts(
+        *(run, tmp_path, DESIGN, model, "--axes", "y,x,-z", "--third-order"),
+        *("--lat", 34.246048, "--lon", 108.909664, "--height", 380, "--heading", 90.6),
+        *("--height-damping", 60),
+    )
+    assert found == 46_180
+
+
+def by_both_hosts(run: Run, folder: Path, design: Path, model: Path, *options: object) -> int:
+    """How many states Python's host and the one in C tell, which are the same to the last bit."""
     found = []
     for engine in ("python", "c"):
-        nav, frames = tmp_path / f"{engine}.csv", tmp_path / f"{engine}.frames"
+        nav, frames = folder / f"{engine}.csv", folder / f"{engine}.frames"
         outcome = run(
-            *("navigate", DESIGN, model, "-o", nav, "--axes", "y,x,-z", "--engine", engine),
-            *("--lat", 34.246048, "--lon", 108.909664, "--height", 380, "--heading", 90.6),
-            *("--telemetry", frames, "--third-order", "--height-damping", 60, "--no-plots"),
+            *("navigate", design, model, "-o", nav, "--engine", engine, "--telemetry", frames),
+            *(*options, "--no-plots"),
         )
         assert outcome.status == 0, outcome.err
         found.append((nav.read_bytes(), frames.read_bytes()))
-    assert len(found[0][1]) == 46_180 * 116
     assert found[0] == found[1]
+    return len(found[0][1]) // FRAME.itemsize
 
 
 def test_drive_from_mat(run: Run, data: Path, tmp_path: Path) -> None:
@@ -118,10 +128,11 @@ def page_blocks() -> list[str]:
     return [dedent(block).strip() + "\n" for block in blocks]
 
 
-def test_drive_as_the_page_tells_it(
-    run: Run, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The commands of docs/tutorials/drive.md give its figures."""
+@pytest.fixture
+def page(
+    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> tuple[list[list[str]], str]:
+    """The page's folder, stood in: its commands in words, and the constants that it fitted."""
     source = data / "transfer_align_fog_mems.mat"
     if not source.is_file():
         pytest.skip(f"no {source}")
@@ -131,17 +142,22 @@ def test_drive_as_the_page_tells_it(
     Path("mems.toml").write_text(design)
     Path("reference.py").write_text(script)
     run_program([sys.executable, "reference.py"], check=True)
+    lines = map(shlex.split, commands.replace("\\\n", " ").splitlines())
+    return [words[1:] for words in lines if words[0] == "sculler"], fitted
+
+
+def test_drive_as_the_page_tells_it(run: Run, page: tuple[list[list[str]], str]) -> None:
+    """The commands of docs/tutorials/drive.md give its figures."""
+    commands, fitted = page
 
     def follow(*extra: str) -> Any:
-        for line in commands.replace("\\\n", " ").splitlines():
-            words = shlex.split(line)
-            if words[0] != "sculler":
-                continue
-            if words[1] == "convert":
-                words += extra
-            if words[1] == "navigate":
+        for command in commands:
+            words = command
+            if words[0] == "convert":
+                words = [*words, *extra]
+            if words[0] == "navigate":
                 words = [*words[: words.index("--report")], "--no-plots"]
-            outcome = run(*words[1:], "--json")
+            outcome = run(*words, "--json")
             assert outcome.status == 0, outcome.err
         return json.loads(outcome.out)
 
@@ -165,3 +181,36 @@ def test_drive_as_the_page_tells_it(
     assert errors["attitude_arcsec"]["down"]["rms"] == pytest.approx(35, abs=1)
     assert errors["position_m"]["horizontal"]["rms"] == pytest.approx(0.38, abs=0.02)
     assert errors["position_m"]["horizontal"]["final"] == pytest.approx(0.61, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "options", "states"),
+    [
+        ("", [], 4_996),
+        ('samples = 4\nposition = "high-resolution"', ["--third-order"], 2_493),
+        pytest.param(
+            *("samples = 4\nminors = 2\norder = 4", ["--height-damping", 60], 1_249),
+            marks=pytest.mark.deep,
+        ),
+    ],
+)
+def test_drive_by_the_host_in_c(
+    run: Run,
+    page: tuple[list[list[str]], str],
+    algorithm: str,
+    options: list[object],
+    states: int,
+) -> None:
+    """The states of 99.9 s on the move, and their telemetry, are Python's to the byte."""
+    if shutil.which("gcc") is None:
+        pytest.skip("needs gcc")
+    (convert, *_), _ = page
+    assert run(*convert).status == 0
+    own, design = Path("mems.toml"), Path("other.toml")
+    lines = own.read_text().splitlines()
+    keys = [line.split()[0] for line in algorithm.splitlines()]
+    kept = [line for line in lines if not line or line.split()[0] not in keys]
+    design.write_text("\n".join([*kept, algorithm, ""]))
+    assert run("model", design, "imu.csv", "-o", "vectors.csv").status == 0
+    found = by_both_hosts(run, Path(), design, Path("vectors.csv"), "--truth", "fog.npz", *options)
+    assert found == states
