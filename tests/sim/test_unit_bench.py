@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
+import os
+import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +88,40 @@ def test_the_bench_holds_every_word(design: Design, tmp_path: Path) -> None:
     lines[-1] = f"{int(lines[-1], 16) ^ 1:08x}"
     wrong.write_text("\n".join(lines) + "\n")
     assert "FAIL: 1 words are wrong" in icarus(tmp_path)
+
+
+def cocotb_bench(folder: Path) -> subprocess.CompletedProcess[str]:
+    """A run of the bench for cocotb, as its user does it."""
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_packet_unit.py"],
+        cwd=folder,
+        env={key: value for key, value in os.environ.items() if not key.startswith("PYTEST_")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@needs_icarus
+@pytest.mark.parametrize("design", few_of(BENCHES, ["stream"]))
+def test_the_bench_for_cocotb_passes(design: Design, tmp_path: Path) -> None:
+    """Other people's UART and SPI ports, streams and masters; and a wrong word is told."""
+    for package in ("cocotb", "axi", "apb", "wishbone", "uart"):
+        pytest.importorskip(package if package == "cocotb" else f"cocotbext.{package}")
+    if (
+        importlib.util.find_spec("cocotbext.spi") is None
+    ):  # its import needs what the bench gives it
+        pytest.skip("cocotbext-spi is not installed")
+    write_hardware(design, tmp_path, packaged=True)
+    done = cocotb_bench(tmp_path)
+    assert done.returncode == 0, done.stdout[-4000:]
+    assert "1 passed" in done.stdout
+    wrong = tmp_path / "packet_unit_expected.hex"
+    *lines, last = wrong.read_text().splitlines()
+    wrong.write_text("\n".join([*lines, f"{int(last, 16) ^ 1:08x}", ""]))
+    done = cocotb_bench(tmp_path)
+    assert done.returncode == 1
+    assert re.search(r"result 1, word \d+: 0x\w+, not 0x", done.stdout)
 
 
 FAULTS = {  # a fault in a file of the unit, and what the bench says of it

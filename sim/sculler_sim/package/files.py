@@ -11,6 +11,7 @@ from sculler_sim.package.fusesoc import fusesoc_core
 from sculler_sim.package.ipxact import YEARS, ipxact_component
 from sculler_sim.package.unit import unit_contents
 from sculler_sim.package.unit_bench import unit_bench_texts
+from sculler_sim.package.unit_cocotb import unit_cocotb
 from sculler_sim.package.vendors import quartus_script, vivado_script
 
 
@@ -63,4 +64,5 @@ def _unit_texts(
         f"{held.name}_hw.tcl": quartus_script(held),
         **constraints(held),
         **unit_bench_texts(held),
+        f"test_{held.name}.py": unit_cocotb(held),
     }

@@ -23,7 +23,9 @@ from sculler_sim.package.master import (
 )
 from sculler_sim.package.unit_sources import Source, source
 
-_RESULTS = 2
+RESULTS = 2
+"""That go through a bench."""
+
 _SEED = 1601
 
 
@@ -35,17 +37,21 @@ def bench_files(design: Design) -> tuple[str, ...]:
 def unit_bench_texts(contents: Contents) -> dict[str, str]:
     """The bench of a unit and its vectors: texts by the name of their file."""
     design = contents.design
-    samples = _samples(design)
-    results = GoldenModel(design).run(samples)
+    results = GoldenModel(design).run(_samples(design))
     words = [word for result in results for word in _words(design, result.row())]
-    halves = _halves(contents)
-    given = source(design, samples, 2 * halves[0], contents.clocks[-1].port)
+    given = unit_source(contents)
     texts = (
         _bench(contents, given),
         "".join(f"{line}\n" for line in given.lines),
         "".join(f"{word:08x}\n" for word in words),
     )
     return dict(zip(bench_files(design), texts, strict=True))
+
+
+def unit_source(contents: Contents) -> Source:
+    """What gives the bench of a unit its samples."""
+    design, period = contents.design, 2 * _halves(contents)[0]
+    return source(design, _samples(design), period, contents.clocks[-1].port)
 
 
 def _halves(contents: Contents) -> list[int]:
@@ -67,7 +73,7 @@ def _samples(design: Design) -> list[Sample]:
         x, y, z = (rng.randint(lo, hi) for _ in range(3))
         return x, y, z
 
-    count = _RESULTS * design.samples_per_major
+    count = RESULTS * design.samples_per_major
     return [(three("gyro"), three("accel"), False) for _ in range(count)]
 
 
@@ -104,7 +110,7 @@ def _bench(contents: Contents, given: Source) -> str:
         top=top,
         sensor=given.told,
         host=host,
-        results=_RESULTS,
+        results=RESULTS,
         words=result_words(design),
         compared=column_words(design) * len(design.columns),
         half=halves[0],
