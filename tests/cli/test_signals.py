@@ -112,6 +112,45 @@ def test_while_a_compiler_runs(
     assert {path.name for path in tmp_path.iterdir()} - {"cache"} == before
 
 
+def workers_of(process: subprocess.Popen[bytes]) -> list[int]:
+    """Its children that do a campaign's work, once they have begun it."""
+    found = []
+    for pid in running("spawn_main"):
+        try:
+            stat = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        of, threads = int(stat[1]), int(stat[17])
+        if of == process.pid and threads > 1:  # the second looks after its parent
+            found.append(pid)
+    return found
+
+
+@pytest.mark.parametrize("number", few_of([signal.SIGTERM, signal.SIGKILL], [signal.SIGTERM]))
+def test_a_campaigns_workers_end_with_it(tmp_path: Path, number: signal.Signals) -> None:
+    """In the midst of long flights, and though nobody tells them to."""
+    pytest.importorskip("pyarrow")
+    pytest.importorskip("scipy")
+    file = tmp_path / "campaign.toml"
+    flight = 'runs = 8\nseconds = 7200.0\n[motion]\nname = "turn"\n'
+    file.write_text(f'{flight}[initial]\nposition = 1.0\n[[design]]\npreset = "stim300"\n')
+    process = start("campaign", file, "-o", tmp_path / "out", "--workers", 2)
+    workers: list[int] = []
+    try:
+        wait_for(lambda: len(workers_of(process)) == 2, "the workers never began")
+        workers += workers_of(process)
+        process.send_signal(number)
+        _, err = process.communicate(timeout=120)
+        assert process.returncode == STATUS.get(number, -number)
+        assert number == signal.SIGKILL or err == b""
+        wait_for(lambda: not set(workers) & set(running("spawn_main")), "a worker goes on")
+    finally:
+        process.kill()
+        for pid in set(workers) & set(running("spawn_main")):
+            os.kill(pid, signal.SIGKILL)
+    assert not list(tmp_path.rglob("*.parquet"))
+
+
 def test_what_is_ignored_stays_ignored(tmp_path: Path, design: Path) -> None:
     """As under nohup."""
     process = subprocess.Popen(

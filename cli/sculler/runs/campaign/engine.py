@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Iterable, Iterator, Mapping
+import os
+import signal
+import threading
+from collections.abc import Generator, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from functools import lru_cache
@@ -62,7 +65,7 @@ def work(job: Job) -> dict[str, NDArray[Any]]:
     return fly(_campaign(job.tables, job.folder), batch.design, seeds)
 
 
-def in_this_process(jobs: Iterable[Job]) -> Iterator[tuple[Batch, Rows]]:
+def in_this_process(jobs: Iterable[Job]) -> Generator[tuple[Batch, Rows], None, None]:
     """One batch after another."""
     for job in jobs:
         yield job.batch, work(job)
@@ -70,15 +73,35 @@ def in_this_process(jobs: Iterable[Job]) -> Iterator[tuple[Batch, Rows]]:
 
 @contextmanager
 def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes that end with the work, where it is broken off at once, and when this one does."""
+    others = set(multiprocessing.active_children())
     # new processes begin empty: a copy of this one might hold locks that nobody gives back
-    pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+    spawn = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, spawn, initializer=_end_with_the_campaign)
     try:
         yield pool
+    except BaseException:
+        for process in set(multiprocessing.active_children()) - others:
+            process.terminate()
+        raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def in_processes(jobs: Iterable[Job], workers: int) -> Iterator[tuple[Batch, Rows]]:
+def _end_with_the_campaign() -> None:
+    """In a worker: end when the campaign's process has ended, of whatever; it says when to stop."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def in_processes(jobs: Iterable[Job], workers: int) -> Generator[tuple[Batch, Rows], None, None]:
     """Batches as they are done by processes of this machine."""
     with _pool(workers) as pool:
         waiting: dict[Future[dict[str, NDArray[Any]]], Batch] = {}
@@ -90,7 +113,7 @@ def in_processes(jobs: Iterable[Job], workers: int) -> Iterator[tuple[Batch, Row
                 yield waiting.pop(future), future.result()
 
 
-def by_scheduler(jobs: Iterable[Job], address: str) -> Iterator[tuple[Batch, Rows]]:
+def by_scheduler(jobs: Iterable[Job], address: str) -> Generator[tuple[Batch, Rows], None, None]:
     """Batches as they are done by the workers of a Dask scheduler; a lost worker's are done again.
 
     The workers must have the same sculler, and see the campaign file's folder.

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -148,16 +149,17 @@ def run_campaign(
     tables = campaign.tables.model_dump_json(exclude_none=True)
     jobs = [Job(tables, str(source.parent.resolve()), batch) for batch in batches]
     if scheduler is not None:
-        results: Iterator[tuple[Batch, Rows]] = by_scheduler(jobs, scheduler)
+        results: Generator[tuple[Batch, Rows], None, None] = by_scheduler(jobs, scheduler)
     elif workers == 1 or len(jobs) == 1:
         results = in_this_process(jobs)
     else:
         results = in_processes(jobs, workers)
-    for batch, rows in results:
-        _claim(campaign, folder)
-        name = f"{batch.design}-{batch.first_seed}-{batch.many}.parquet"
-        _write(parts / name, rows)
-        advance(batch.many)
+    with closing(results):
+        for batch, rows in results:
+            _claim(campaign, folder)
+            name = f"{batch.design}-{batch.first_seed}-{batch.many}.parquet"
+            _write(parts / name, rows)
+            advance(batch.many)
     held = hardware.held_against_hardware(campaign, parts)
     return _summed_up(campaign, folder, sum(batch.many for batch in batches), held)
 
