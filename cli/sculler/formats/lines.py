@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import BinaryIO, TypeVar
 
 from sculler_model.outputs import MAX_LINE, endless_line
@@ -50,28 +50,3 @@ def ahead(items: Iterator[T]) -> Iterator[T]:
         while (item := coming.popleft().result()) is not None:
             coming.append(reader.submit(next, items, None))
             yield item
-
-
-class Behind:
-    """Calls a function in a second thread, in order, a few calls behind; what it returns is lost.
-
-    Args:
-        function: is called.
-    """
-
-    def __init__(self, function: Callable[..., object]) -> None:
-        self._function = function
-        self._thread = ThreadPoolExecutor(max_workers=1)
-        self._waiting: deque[Future[object]] = deque()
-
-    def __call__(self, *arguments: object) -> None:
-        """Call it, soon; waits where many calls wait already, and raises what one of them did."""
-        self._waiting.append(self._thread.submit(self._function, *arguments))
-        if len(self._waiting) > _AHEAD:
-            self._waiting.popleft().result()
-
-    def finish(self) -> None:
-        """Wait until all calls are done."""
-        while self._waiting:
-            self._waiting.popleft().result()
-        self._thread.shutdown()

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.checks.breaks import Break, BreakFinder, Policy
-from sculler.formats.lines import Behind
 from sculler.formats.log import read_log
 from sculler.formats.tables import counting
 from sculler.formats.vectors import VectorsWriter
@@ -240,7 +239,6 @@ class _Source:
         self._design, self._log, self._advance = design, log, advance
         self.breaks = BreakFinder(design, "stdin" if str(log) == "-" else str(log), policy)
         self._plausibility = Plausibility(design)
-        self._looking = Behind(self._plausibility)
         self.samples = self._left_out = 0
         self._phase = 0  # samples in the interval that is not complete
         self._major = 0  # the interval that is not complete
@@ -264,7 +262,7 @@ class _Source:
             complete, self._phase = divmod(self._phase + len(chunk.counts), span)
             self._major += complete
             self.samples += len(chunk.counts)
-            self._looking(chunk.counts, chunk.times)
+            self._plausibility(chunk.counts, chunk.times)
             yield chunk.counts, chunk.faults
 
     @property
@@ -291,7 +289,6 @@ class _Source:
     @property
     def doubts(self) -> list[str]:
         """Counts that no sensor gives, in words, once all samples are through."""
-        self._looking.finish()
         found = self._plausibility.finish()
         unit, first = counting(self._log)
         return in_words(found, self._plausibility.counts, lambda sample: f"{unit} {sample + first}")

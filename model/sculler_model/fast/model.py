@@ -43,6 +43,10 @@ WORTH_COMPILING_ORDERS = 200_000
 """The same for third and fourth order, which numpy has in Python's integers."""
 
 
+WORTH_A_THREAD = 1_000_000
+"""Samples for each thread from which on it pays to share the kernel's work out."""
+
+
 class _Place(NamedTuple):
     """Where the results of intervals first..last-1 go.
 
@@ -153,7 +157,7 @@ class FastModel:
 
         def compute(rows: Rows, majors: int) -> NDArray[np.bool_]:
             found.append(self._room(majors))
-            return self._computed(rows, majors, _Place(room), self._block)
+            return self._computed(rows, majors, _Place(room))
 
         first, status = self._taken_by(as_counts(counts), faults, compute)
         if not found:
@@ -256,17 +260,23 @@ class FastModel:
         self._taken += len(counts)
         return first_major, status
 
-    def _computed(self, rows: Rows, majors: int, place: _Place, size: int) -> NDArray[np.bool_]:
+    def _computed(
+        self, rows: Rows, majors: int, place: _Place, size: int | None = None
+    ) -> NDArray[np.bool_]:
         """Compute major intervals; whether each has a count at an end of its width.
 
         Args:
             rows: the history and the samples after it.
             majors: how many intervals.
             place: of the results.
-            size: intervals at a time.
+            size: intervals at a time, each of which is work enough for a thread; if left out, a
+                block, and the kernel gets as many threads as pay.
         """
         span = self.design.samples_per_major
         rails = np.empty(majors, np.bool_)
+        threads = self._threads
+        if size is None:
+            size, threads = self._block, min(threads, len(rows.counts) // WORTH_A_THREAD)
         kernel = self._kernel_if_worth(rows)
         if kernel is None:
             self._by_arithmetic(rows, place, rails, min(size, self._arithmetic.majors))
@@ -278,7 +288,7 @@ class FastModel:
             def compute(first: int, last: int) -> None:
                 self._by_kernel(kernel, rows, place, rails, slice(first, last))
 
-            _share(compute, edges, self._threads)
+            _share(compute, edges, threads)
         return rails
 
     def _by_kernel(
@@ -385,7 +395,7 @@ def kernel_class() -> type[Kernel] | None:
 
 def _share(compute: Callable[[int, int], None], edges: Sequence[int], threads: int) -> None:
     """Compute what lies between the edges, on several threads."""
-    if len(edges) == 2 or threads == 1:
+    if len(edges) == 2 or threads <= 1:
         for edge in pairwise(edges):
             compute(*edge)
         return

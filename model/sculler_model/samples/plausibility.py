@@ -94,6 +94,7 @@ class Plausibility:
         self._frozen = max(_MANY, round(_FROZEN * rate))
         self._waiting: list[tuple[Samples, NDArray[np.float64] | None]] = []
         self._rows: Samples = np.zeros((0, 6), np.int64)  # the last ones looked at
+        self._memory = self._rows  # where those that are looked at together lie
         self._turned: Samples | None = None
         self._times: NDArray[np.float64] | None = None
         self._first = 0  # number of the first of them
@@ -136,7 +137,7 @@ class Plausibility:
         stamps = [times for _, times in self._waiting]
         self._waiting = []
         kept = len(self._rows)
-        rows = np.concatenate([self._rows, *new]) if new else self._rows
+        rows = self._joined(new)
         if not len(rows):
             return
         times = self._times
@@ -161,6 +162,14 @@ class Plausibility:
         self._first += len(rows) - keep
         self._rows = rows[len(rows) - keep :].copy()
         self._times = None if times is None else times[len(rows) - keep :]
+
+    def _joined(self, new: list[Samples]) -> Samples:
+        """The rows at hand and the new ones, in memory that the next ones get too."""
+        rows = [self._rows, *new]
+        count, kind = sum(map(len, rows)), np.result_type(*rows)
+        if len(self._memory) < count or self._memory.dtype != kind:
+            self._memory = np.empty((count, 6), kind)
+        return np.concatenate(rows, out=self._memory[:count])
 
     def _compiled(self) -> tuple[Callable[..., int], Callable[..., None]] | None:
         """The quick look; None for few samples, for which a compiler is not worth loading."""
