@@ -37,7 +37,6 @@ def contests(folder: Path, samples: int = SAMPLES) -> list[Contest]:
     Raises:
         InputError: a C program gives other integers than the model.
     """
-    stim300 = Design.preset("stim300")
     goals = {name: Design.preset(name) for name in PRESETS}
     goals |= {
         "dense, n = 4": Design.preset("stim300", family="time-taylor"),
@@ -49,7 +48,8 @@ def contests(folder: Path, samples: int = SAMPLES) -> list[Contest]:
     growth |= {f"M = {M}": Design.preset("stim300", minors=M) for M in (1, 64)}
     held = [_against_c(folder, name, design, samples, _GOAL) for name, design in goals.items()]
     held += [_against_c(folder, name, design, samples, None) for name, design in growth.items()]
-    held.append(_threads(stim300, samples))
+    for name in ("stim300", "high-resolution"):
+        held.append(_threads(name, goals[name], 4 * samples))
     return [*held, _against_python_ins(samples)]
 
 
@@ -128,8 +128,8 @@ def _table(design: Design) -> str:
     return "\n".join([*lines, f"#define WEIGHTS(T) {weights}", ""])
 
 
-def _threads(design: Design, samples: int) -> Contest:
-    """All threads against one."""
+def _threads(name: str, design: Design, samples: int) -> Contest:
+    """All threads that so many samples get against one."""
     counts = _counts(design, samples)
     models = [FastModel(design, compiled=True), FastModel(design, threads=1, compiled=True)]
 
@@ -141,7 +141,7 @@ def _threads(design: Design, samples: int) -> Contest:
         return fed
 
     ours, theirs = map(run, models)
-    return Contest("stim300, all threads", "one thread", samples, "samples", ours, theirs)
+    return Contest(f"{name}, all threads", "one thread", samples, "samples", ours, theirs)
 
 
 def _against_python_ins(samples: int) -> Contest:
