@@ -174,6 +174,17 @@ def test_orders_of_coning_in_a_turn_and_of_a_manoeuvre(run: Run) -> None:
     assert "manoeuvre pitch-over, 3 s" in said
 
 
+def test_orders_say_where_a_higher_one_is_worse(run: Run) -> None:
+    """A turn takes from what order 2 leaves of a fast cone, and nothing from what order 3 does."""
+    words = ("analyze", "orders", "stim300", "--minors", 1, "--seconds", 0.2, "--half-angle", 10)
+    words = (*words, "--frequency", 200)
+    told = json.loads(run(*words, "--spin", 360, "--json").out)["warnings"]
+    assert [line[:33] for line in told] == ["M = 1: order 3 leaves 1.4e+03″ wh"]
+    assert told[0].endswith("take order 4 or a shorter major interval")
+    assert told[0] in run(*words, "--spin", 360).out
+    assert json.loads(run(*words, "--json").out)["warnings"] == []
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

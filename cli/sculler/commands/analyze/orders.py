@@ -70,14 +70,15 @@ def command(design_name: str, as_json: bool, **asked: Any) -> None:
     The design's sample rate and coefficients run on a sensor too fine to matter, through the
     core's integers.  A coning body is held up by a force that is constant outside, so its true
     velocity is known as exactly as its attitude.  Last what the samples allow: the attitude at the
-    end, iterated to convergence on a polynomial through them.  DESIGN must have increments.
+    end, iterated to convergence on a polynomial through them.  Where
+    a higher order leaves more than a lower one, a line says so.  DESIGN must have increments.
     """
     from sculler.runs.analysis import OrdersPlan, orders_study
 
     plan = OrdersPlan(terminal.load_bare_design(design_name), design_name, **asked)
     with terminal.progress("running", 3 * len(plan.minors)) as advance:
         data = orders_study(plan, advance=advance)
-    told = options.filtered_told(plan.design)
+    told = [*options.filtered_told(plan.design), *data["warnings"]]
     terminal.report(data, as_json, _table(data), *told)
 
 

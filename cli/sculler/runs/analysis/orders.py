@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import degrees, radians
 from typing import Any
@@ -126,4 +127,26 @@ def orders_study(plan: OrdersPlan, *, advance: Advance = silent) -> dict[str, An
         "motion": plan.told(),
         "seconds": plan.length,
         "orders": rows,
+        "warnings": _warnings(rows),
     }
+
+
+_FLOOR_ARCSEC = 1e-5
+"""What counts of 32 bits allow, and some more."""
+
+
+def _warnings(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """Where a higher order leaves more attitude error than a lower one, and what to take there."""
+    told = []
+    for M in dict.fromkeys(row["minors"] for row in rows):
+        left = {row["order"]: row["largest_arcsec"] for row in rows if row["minors"] == M}
+        best = min(left, key=lambda order: left[order])
+        for order in (3, 4):
+            lower = min(range(2, order), key=lambda order: left[order])
+            if left[order] > 1.02 * left[lower] + _FLOOR_ARCSEC:
+                told.append(
+                    f"M = {M}: order {order} leaves {left[order]:.2g}\N{DOUBLE PRIME} where order"
+                    f" {lower} leaves {left[lower]:.2g}\N{DOUBLE PRIME}, take order {best} or a"
+                    " shorter major interval"
+                )
+    return told
