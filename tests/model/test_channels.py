@@ -8,7 +8,15 @@ import pytest
 from sculler_model.design import STATUS_LOST, Design
 from sculler_model.errors import InputError
 from sculler_model.fast import FastChannels, VectorBlock
-from sculler_model.golden import ChannelModel, ChannelSample, GoldenModel
+from sculler_model.golden import (
+    ChannelCycleModel,
+    ChannelModel,
+    ChannelSample,
+    ChannelTiming,
+    GoldenModel,
+    Ports,
+    to_words,
+)
 from strategies import DESIGNS, with_hardware
 
 PLAIN = with_hardware(DESIGNS["smallest"], core="compact")
@@ -103,6 +111,14 @@ def test_channels_are_single_models(name: str, channels: int):
         assert [result for owner, result in found if owner == channel] == expected
 
 
+def test_a_sample_that_says_no_more_is_sound_and_goes_on():
+    """Twenty samples of one count each are twenty counts."""
+    design = Design.parse({"preset": "stim300", "hardware": {"core": "compact", "channels": 2}})
+    ((channel, result),) = ChannelModel(design).run([ChannelSample(1, (1, 0, 0), (0, 0, 2))] * 20)
+    assert (channel, result.status) == (1, 0)
+    assert (result.alpha, result.nu) == ((20, 0, 0), (0, 0, 40))
+
+
 @pytest.mark.parametrize("chunk", [7, 64, 10_000])
 def test_the_fast_twin_in_any_chunks(chunk: int):
     design = many(DESIGNS["taylor_3p3"], 5)
@@ -158,3 +174,28 @@ def test_channels_that_are_not_there():
                 )
     with pytest.raises(InputError, match="give 2 integers"):
         FastChannels(design).feed(np.zeros((2, 6), int), np.array([0.0, 1.0]))
+
+
+def test_ports_clock_by_clock_by_hand():
+    """Taken in clock 3, launched 2 + 1 clocks later, ready 2 clocks after that, valid 9 - 3 after.
+
+    Words come two clocks apart.  A reset amid them takes all back.
+    """
+    design = many(PLAIN, 2)
+    timing = ChannelTiming(
+        latency=9, work=(5,), results=2, startup=3, lookup=2, loading=1, handover_spacing=2
+    )
+    model, sample = ChannelCycleModel(design, timing), ChannelSample(1, (1, 2, -3), (0, 0, 4))
+    single = GoldenModel(PLAIN).step(sample.gyro, sample.accel)
+    assert single is not None
+    words = to_words(design, single.row())
+    for rounds in range(2):
+        offers = [sample] * 4 + [None] * 20
+        seen = [model.clock(offered, 1) for offered in offers[: 24 - 7 * rounds]]
+        assert [each.sample_ready for each in seen[:10]] == [0, 0, 0, 1, 0, 0, 0, 0, 1, 1]
+        assert [t for t, each in enumerate(seen) if each.result_valid] == [*range(12, len(seen), 2)]
+        shown = [each.result for each in seen if each.result_valid]
+        assert shown == [(word, 0, 1) for word in words[: len(shown)]]
+        assert {each.samples_lost for each in seen} == {0}
+        model.clock(sample, 1, rst=1)  # nothing is taken in it
+    assert model.ports() == Ports(0, 0, (0, 0, 0))

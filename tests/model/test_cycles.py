@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from sculler_model.design import COLUMNS, Design, Result
 from sculler_model.errors import InputError
 from sculler_model.golden import (
+    ChannelTiming,
     CycleModel,
     Dropping,
     GoldenModel,
@@ -463,3 +465,17 @@ def test_timings_that_cannot_be() -> None:
 def test_the_names_of_the_result_ports() -> None:
     assert result_ports(DESIGNS["smallest"]) == COLUMNS
     assert result_ports(with_hardware(DESIGNS["smallest"], handover="stream")) == ("data", "last")
+    many = with_hardware(DESIGNS["smallest"], core="compact", handover="stream", channels=2)
+    assert result_ports(many) == ("data", "last", "channel")
+
+
+def test_figures_that_follow_from_a_timing_by_hand() -> None:
+    """Of results: one is handed over, one waits, one is being formed."""
+    plain = Timing(7, spacing=3, startup=2, work=(0, 5), handover_spacing=4)
+    assert (plain.before, plain.samples_apart, plain.under_way) == (0, 3, 2)
+    assert plain.longest_wait == 2 + 3 + 5 + 7 + 4
+    more = replace(plain, dropping=Dropping(1, 6), compensation=8)
+    assert (more.before, more.samples_apart, more.under_way) == (8, 9, 3)
+    assert more.longest_wait == 2 + 3 + 5 + 7 + 4 + 6 + 8
+    channels = ChannelTiming(7, spacing=3, work=(2, 5), results=2, clearing=9)
+    assert (channels.under_way, channels.longest_wait) == (3, 3 + 5 + 7 + 1 + 9 + 5)

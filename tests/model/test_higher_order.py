@@ -9,15 +9,25 @@ from __future__ import annotations
 
 from fractions import Fraction
 from math import factorial
+from typing import Any
 
 import numpy as np
 import pytest
 
 from higher_order_designs import HIGHER_ORDER, higher
-from sculler_model.algorithms import composition, triple_taps
+from sculler_model.algorithms import (
+    DUAL_ZERO,
+    Dual,
+    HigherOrder,
+    composition,
+    dual_cross,
+    dual_sum,
+    dual_times,
+    triple_taps,
+)
 from sculler_model.algorithms.pairs import pair_coefficients
 from sculler_model.algorithms.triples import CONING, CONING_IN_A_TURN
-from sculler_model.design import Design, Result, word_lengths
+from sculler_model.design import ZERO_RANGE, Design, Interval, Result, word_lengths
 from sculler_model.errors import InputError
 from sculler_model.fast import run_fast
 from sculler_model.golden import GoldenModel
@@ -411,6 +421,68 @@ def test_smallest_words_hold_every_input() -> None:
         assert all(x in third for x in result.coning_third or ())
         assert all(x in fourth for x in result.coning_fourth or ())
     assert any(seen)
+
+
+class Range:
+    """Every number from lo to hi, in sums and products."""
+
+    def __init__(self, lo: int, hi: int) -> None:
+        self.lo, self.hi = lo, hi
+
+    def __add__(self, other: Any) -> Any:
+        other = as_range(other)
+        return Range(self.lo + other.lo, self.hi + other.hi)
+
+    def __sub__(self, other: Any) -> Any:
+        return self + -1 * as_range(other)
+
+    def __mul__(self, other: Any) -> Any:
+        ends = [a * b for a in (self.lo, self.hi) for b in vars(as_range(other)).values()]
+        return Range(min(ends), max(ends))
+
+    __radd__, __rmul__ = __add__, __mul__
+
+
+def as_range(value: Any) -> Range:
+    return value if isinstance(value, Range) else Range(value, value)
+
+
+@pytest.mark.parametrize("name", list(HIGHER_ORDER))
+def test_words_are_the_models_own_lines_on_ranges(name: str) -> None:
+    """`HigherOrder` steps through a major interval with ranges where its numbers are.
+
+    It shares no line with the word lengths.  Letters of fourth order are nothing with third order.
+    """
+    design, words = HIGHER_ORDER[name], HIGHER_ORDER[name].words
+    table, higher = design.table, HigherOrder(design.table, design.order)
+    gyro, accel = ((Range(each.lo, each.hi),) * 3 for each in (words.gyro, words.accel))
+    sample: Any = Dual(gyro, accel)
+    kappa = dual_sum(
+        *(dual_cross(dual_sum(*(dual_times(c, sample) for c in row)), sample) for row in table.taps)
+    )
+    within = between = DUAL_ZERO
+    theta = dual_times(table.samples, sample)
+    for minor in range(design.algorithm.minors):
+        alpha = dual_times(minor, theta)
+        higher.step([sample] * table.samples, alpha, within, between, kappa)
+        within = dual_sum(within, kappa)
+        between = dual_sum(between, dual_cross(alpha, theta))
+
+    def ends(component: Any) -> Interval:
+        return Interval(*vars(as_range(component)).values())
+
+    third, fourth = higher.third, higher.fourth
+    assert words.coning_third == ends(third.angle[0])
+    assert words.sculling_third == ends(third.velocity[0])
+    inside = words.higher
+    assert inside is not None
+    if design.order > 3:
+        assert words.coning_fourth == inside.fourth.angle == ends(fourth.angle[0])
+        assert words.sculling_fourth == inside.fourth.velocity == ends(fourth.velocity[0])
+        return
+    assert words.coning_fourth is words.sculling_fourth is None
+    letters = "f theta_f theta_theta_f sigma p q g h outer pairs fourth"
+    assert {getattr(inside, letter) for letter in letters.split()} == {(ZERO_RANGE, ZERO_RANGE)}
 
 
 def test_composition_of_the_default_table() -> None:

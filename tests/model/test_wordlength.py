@@ -21,6 +21,7 @@ from sculler_model.design import (
     Result,
     cross_range,
     range_of_sum,
+    word_lengths,
 )
 from sculler_model.golden import GoldenModel
 from strategies import DESIGNS, designs, make_design, random_counts
@@ -255,6 +256,14 @@ def test_widths_of_the_default_design_by_hand() -> None:
     largest = 10 * 16 * (c * c + c * (c - 1))
     assert words.coning_between == Interval(-largest, largest)
     assert words.sculling_between == Interval(-2 * largest, 2 * largest)
+    assert words.s_alpha is words.s_nu is words.scrolling is words.higher is None
+
+
+def test_second_order_without_position_is_what_is_not_asked_for() -> None:
+    table = DESIGNS["stim300_4x5"].table
+    found = word_lengths(24, 24, 5, table)
+    assert found == word_lengths(24, 24, 5, table, False, 2) == DESIGNS["stim300_4x5"].words
+    assert found.s_alpha is found.coning_third is None
 
 
 class TestHighResolutionPosition:
