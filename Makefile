@@ -20,6 +20,7 @@
 #   make evidence  docs/explanation/evidence.md and build/evidence.json: requirements with their design, tests and proofs
 #   make prove   tries to prove port contract and arithmetic of small cores, and writes what it proved; an hour or more
 #   make mutate  changed cores against the test bench that is handed out; hours, goes on where it stopped
+#   make mutate-python  docs/explanation/mutants-python.md: the Python changed in one place at a time, and whether its tests see it
 #   make docs    the site of docs/ in build/site, without warnings; DOCS_FLAGS=... for MkDocs
 #   make release-check  wheel and sdist, built and tried outside the tree; they stay in build/release
 #   make clean   remove what the targets made
@@ -31,7 +32,7 @@ READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools-ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware budget campaigns buses channels memories host-c soc upsets evidence prove mutate release-check clean setup
+.PHONY: demo docs test quick test-deep test-breaks test-lowest fuzz lint format bench accuracy hardware budget campaigns buses channels memories host-c soc upsets evidence prove mutate mutate-python release-check clean setup
 .DEFAULT_GOAL := demo
 
 setup: $(READY) $(TOOLS)
@@ -124,6 +125,9 @@ docs: $(DOCS)
 
 mutate: $(TOOLS)
 	$(BIN)/python -m studies.mutate
+
+mutate-python: $(READY)
+	$(BIN)/python -m studies.mutate_python --write
 
 bench: $(READY)
 	$(BIN)/python -m studies.bench

@@ -1,0 +1,11 @@
+"""A plugin of pytest: Hypothesis gives the same examples in every run, and seeks no smaller ones.
+
+Without it a mutant could live in one run and not in the next.
+"""
+
+from hypothesis import Phase, settings
+
+settings.register_profile(
+    "mutants", derandomize=True, database=None, phases=(Phase.explicit, Phase.generate)
+)
+settings.load_profile("mutants")
