@@ -8,7 +8,7 @@ import itertools
 import random
 
 import pytest
-from amaranth import Module, Signal
+from amaranth import Module, ResetInserter, Signal
 from amaranth.hdl import Fragment
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
@@ -28,7 +28,7 @@ from sculler_hdl.pipelined.stream import StreamHandOver
 from sculler_hdl.plan.accumulator import AccumulatorPlan
 from sculler_hdl.plan.adder_tree import Addend, AdderTreePlan
 from sculler_hdl.plan.arrival import Limbs, at_once, limbs, spans
-from sculler_hdl.plan.cross_array import FOLDINGS, CrossArrayPlan, Operand
+from sculler_hdl.plan.cross_array import FOLDINGS, CrossArrayPlan, Folding, Operand
 from sculler_hdl.plan.dot_product import signed_digits
 from sculler_hdl.plan.multiplier import MultiplierPlan, OperandSplit, operand_splits
 from sculler_hdl.plan.running_sum import RunningSumPlan
@@ -442,9 +442,10 @@ OPERANDS = [
 @pytest.mark.parametrize("folding", FOLDINGS, ids=lambda s: f"{s.steps} steps")
 @pytest.mark.parametrize(("bits", "limb", "target"), OPERANDS)
 @pytest.mark.parametrize(
-    ("lead", "inverted"), [(0, False), pytest.param(3, True, marks=pytest.mark.deep)]
+    ("lead", "inverted", "spread"),
+    [(0, False, True), pytest.param(3, True, False, marks=pytest.mark.deep)],
 )
-def test_cross_array(folding, bits, limb, target, lead, inverted):
+def test_cross_array(folding, bits, limb, target, lead, inverted, spread):
     """Launches as close as they may be, a total restarted after every third."""
     ranges = [Interval.signed(width) for width in bits]
     left0, left1, right0, right1 = (
@@ -457,7 +458,7 @@ def test_cross_array(folding, bits, limb, target, lead, inverted):
 
     totals = (span(left0, right0), span(left0, right1) + span(left1, right0))
     plan = CrossArrayPlan(
-        (left0, left1), (right0, right1), totals, folding, TARGETS[target], limb, 8
+        (left0, left1), (right0, right1), totals, folding, TARGETS[target], limb, 8, spread=spread
     )
     part = CrossArray(plan, lead, primitive=False, inverted=inverted)
     rng = random.Random(5)
@@ -483,6 +484,48 @@ def test_cross_array(folding, bits, limb, target, lead, inverted):
         for name, vectors in (("coning", coning), ("sculling", sculling)):
             for axis in range(3):
                 assert seen[name, axis][end] == sum(vector[axis] for vector in vectors)
+
+
+def test_a_launch_after_a_reset_is_not_moved_by_the_one_before():
+    """A launch, a reset in the clock after it, the next launch in the clock after that."""
+    ranges = [Interval.signed(33), Interval.signed(40)]
+    left, right = (Operand(item, at_once(item.bits)) for item in ranges)
+    total = (ranges[0] * ranges[1] - ranges[0] * ranges[1]).repeated(2)
+    plan = CrossArrayPlan(
+        (left, left),
+        (right, right),
+        (total, total),
+        Folding(sides=2, axes=3),
+        TARGETS["ice40"],
+        Limbs(64),
+        0,
+    )
+    assert plan.copied
+    part, reset = CrossArray(plan, primitive=False), Signal()
+    rng = random.Random(6)
+    items = {
+        t: {name: extremes(o.range, rng, 3) for name, o in plan.operands.items()} for t in (0, 2)
+    }
+    inputs = [
+        (getattr(part, name)[axis], (operand.arrival, {t: v[name][axis] for t, v in items.items()}))
+        for name, operand in plan.operands.items()
+        for axis in range(3)
+    ]
+    outputs = {
+        (name, axis): (getattr(part, name)[lane], arrival, {2})
+        for name, components in plan.results.items()
+        for axis, (lane, arrival) in enumerate(components)
+    }
+    flags = [(part.launch, {0, 2}), (part.last, {2}), (reset, {1})]
+    seen = stream(ResetInserter(reset)(part), inputs, outputs, 60, flags)
+    a, b, s, r = (items[2][name] for name in ("left0", "left1", "right0", "right1"))
+    wanted = {
+        "coning": cross(a, s),
+        "sculling": [one + two for one, two in zip(cross(a, r), cross(b, s), strict=True)],
+    }
+    assert {key: seen[key][2] for key in seen} == {
+        (name, axis): three[axis] for name, three in wanted.items() for axis in range(3)
+    }
 
 
 def small_words():

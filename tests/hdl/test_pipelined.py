@@ -13,7 +13,7 @@ from sculler_hdl import counter_ports, timing
 from sculler_hdl.pipelined.core import PipelinedCore
 from sculler_hdl.plan.cross_array import FOLDINGS
 from sculler_hdl.plan.pipelined import LATENCY_GOAL, POSITION_LATENCY_GOAL, plan_pipelined
-from sculler_hdl.plan.schedule import launch_gap
+from sculler_hdl.plan.schedule import Schedule, launch_gap
 from sculler_model.design import AXES
 from sculler_model.errors import InputError
 from sculler_model.golden import CycleModel, Ports, clocks_per_major, result_ports
@@ -158,6 +158,42 @@ def test_blocks_of_a_long_array_are_grouped_by_total():
         {"cross_within.unit0"},
     ]
     assert [len(group) for group in groups] == [24, 24, 12]
+
+
+def test_blocks_of_a_long_array_that_is_not_folded_are_grouped_by_axis():
+    """24 bits, dense: the units of an axis together, then what the between array has."""
+    design = with_hardware(DESIGNS["dense_time_3"], target="ecp5")
+    schedule = plan_pipelined(design).schedule
+    assert schedule.configuration.within.steps == 1
+    found = [
+        {re.match(r"(\w+)\.unit\d_(\w)", block).groups() for block in group}
+        for group in schedule.block_groups
+    ]
+    assert found == [{("cross_between", "x")}, *({("cross_within", axis)} for axis in "xyz")]
+
+
+def test_totals_that_work_side_by_side_have_marked_flags_of_their_own():
+    design = with_hardware(DESIGNS["dense_time_3"], target="ecp5")
+    text = emitted(design)[f"{design.name}.v"]
+    for total in ("coning", "sculling"):
+        flag = rf"\(\* keep\b[^\n]*\*\)\s*reg launch_{total}_0to0_\d+_{total}_(.);"
+        assert sorted(re.findall(flag, text)) == ["x", "y", "z"]
+
+
+def test_operands_are_spread_where_results_lose_no_time_by_it():
+    taken = plan_pipelined(with_hardware(DESIGNS["dense_time_3"], target="ecp5"))
+    assert taken.schedule.arrays["within"].spread
+    assert not taken.schedule.arrays["between"].spread  # folded, its operands are held anyway
+    assert taken.timing.latency <= LATENCY_GOAL
+    # a major interval of 10 samples, its results as close as they may be
+    short = make_design("short", 5, 0, 2, (32, 32), "uncompressed", hardware={"target": "ecp5"})
+    left = plan_pipelined(short)
+    other = Schedule(short, left.configuration._replace(spread=True))
+    assert not left.configuration.spread
+    pace = [
+        clocks_per_major(short, one) for one in (left.timing, other.timing(left.timing.spacing))
+    ]
+    assert pace == [11, 21]
 
 
 VARIANTS = [

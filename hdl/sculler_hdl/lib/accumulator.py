@@ -5,7 +5,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.adder import add
-from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
+from sculler_hdl.lib.delay import APART, ControlDelay, SkewedSignal
 from sculler_hdl.plan.accumulator import AccumulatorPlan
 from sculler_hdl.plan.arrival import at_once, later, limbs
 
@@ -30,11 +30,16 @@ class Accumulator(wiring.Component):
     Args:
         plan: the plan.
         inverted: how its flags are held (`ControlDelay`), to keep them apart from another's.
+        apart: whether the flag that restarts it is marked, to be its own: others that are restarted
+            at the same time may stand far from it.
     """
 
-    def __init__(self, plan: AccumulatorPlan, *, inverted: bool = False) -> None:
+    def __init__(
+        self, plan: AccumulatorPlan, *, inverted: bool = False, apart: bool = False
+    ) -> None:
         self.plan = plan
         self.inverted = inverted
+        self.apart = apart
         super().__init__(
             {
                 "step": In(1),
@@ -50,7 +55,9 @@ class Accumulator(wiring.Component):
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
         step = ControlDelay(m, "step", self.step, plan.clock, inverted=self.inverted)
-        held = Signal(init=int(not self.inverted), name="restart")  # the newest sum is finished
+        # the newest sum is finished
+        attrs = APART if self.apart else {}
+        held = Signal(init=int(not self.inverted), name="restart", attrs=attrs)
         with m.If(self.step):
             m.d.sync += held.eq(~self.last if self.inverted else self.last)
         restart = ~held if self.inverted else held

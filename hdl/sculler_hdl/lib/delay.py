@@ -145,6 +145,7 @@ class ControlDelay:
         clock: at which it is there.
         inverted: whether the registers hold its opposite.
         cleared: whether reset clears them.
+        apart: whether they are marked (`APART`), which keeps them from all other lines.
     """
 
     def __init__(
@@ -156,12 +157,14 @@ class ControlDelay:
         *,
         inverted: bool = False,
         cleared: bool = True,
+        apart: bool = False,
     ) -> None:
         self.m = m
         self.name = name
         self.clock = clock
         self.inverted = inverted
         self.cleared = cleared
+        self.apart = apart
         self._held: list[Value] = [~value if inverted else value]
 
     def at_clock(self, clock: int) -> Value:
@@ -179,6 +182,7 @@ class ControlDelay:
                 name=f"{self.name}_{self.clock + len(self._held)}",
                 init=int(self.inverted),
                 reset_less=not self.cleared,
+                attrs=APART if self.apart else {},
             )
             self.m.d.sync += register.eq(self._held[-1])
             self._held.append(register)

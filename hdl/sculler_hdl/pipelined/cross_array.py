@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 from amaranth import Cat, Module, Mux, Signal, Value
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
@@ -38,6 +40,9 @@ class CrossArray(wiring.Component):
             take turns.
 
     A launch may follow `plan.folding.steps` clocks after the one before.
+
+    Where a unit forms both the products that are added and those that are subtracted, it reads the
+    same places for both, and the components move on to them in between (`plan.moves`).
 
     Latency: `plan.results`, from a launch to the total with its products.
 
@@ -114,8 +119,8 @@ class CrossArray(wiring.Component):
         for pair, multiplier in enumerate(plan.multipliers):
             found: list[Value] = []
             for number, (a, b) in enumerate([(one, two), (two, one)][: plan.sides]):
-                left = operands.seen("left", pair, a, b, lane)
-                right = operands.seen("right", pair, b, a, lane)
+                left = operands.seen("left", pair, a, lane)
+                right = operands.seen("right", pair, b, lane)
                 name = plan.unit_name(pair, lane, number)
                 found += emit_multiplier(
                     m, name, multiplier, left, right, primitive=self.primitive, read=self.read
@@ -136,19 +141,23 @@ class CrossArray(wiring.Component):
         plan = self.plan
         adder = Accumulator(plan.accumulators[name], inverted=launch.flag.inverted)
         m.submodules[f"{name}_{AXES[lane]}_total"] = adder
-        steps, clock = plan.steps_of(name), adder.plan.clock
+        steps, clock, near = plan.steps_of(name), adder.plan.clock, self._near(name, lane)
         final = steps[-plan.folding.axes :]
         m.d.comb += [
-            adder.input.eq(self._signed(m, name, added, launch)),
-            adder.step.eq(launch.during(steps, clock)),
-            adder.last.eq(last.during(final, clock)),
+            adder.input.eq(self._signed(m, name, added, launch, near)),
+            adder.step.eq(launch.during(steps, clock, near)),
+            adder.last.eq(last.during(final, clock, near)),
             getattr(self, name)[lane].eq(adder.newest),
         ]
         if plan.folding.sides == 2:
             backward = plan.steps_where(side=1)
-            m.d.comb += adder.carry.eq(launch.during(backward, clock))
+            m.d.comb += adder.carry.eq(launch.during(backward, clock, near))
 
-    def _signed(self, m: Module, name: str, word: SkewedSignal, launch: _Steps) -> Value:
+    def _near(self, name: str, lane: int) -> str:
+        """A name for a total's own flags, where others far from it do the same at the same time."""
+        return f"{name}_{AXES[lane]}" if self.plan.lanes > 1 else ""
+
+    def _signed(self, m: Module, name: str, word: SkewedSignal, launch: _Steps, near: str) -> Value:
         """What a step adds, inverted where it is to be subtracted."""
         plan = self.plan
         bits = plan.accumulators[name].item.bits
@@ -158,7 +167,7 @@ class CrossArray(wiring.Component):
         pieces = []
         for lo, hi, clock in spans(lowest(word.arrival, bits)):
             piece = Signal(hi - lo, name=f"{name}_signed_{lo}", reset_less=True)
-            turned = launch.during(backward, clock).replicate(hi - lo)
+            turned = launch.during(backward, clock, near).replicate(hi - lo)
             m.d.sync += piece.eq(word.slice_at(lo, hi, clock) ^ turned)
             pieces.append(piece)
         return Cat(*pieces)
@@ -170,13 +179,19 @@ class _Steps:
     def __init__(self, m: Module, flag: ControlDelay) -> None:
         self.m = m
         self.flag = flag
-        self._made: dict[tuple[tuple[int, ...], int], Signal] = {}
+        self._made: dict[tuple[tuple[int, ...], int, str], Signal] = {}
 
-    def during(self, steps: list[int], clock: int) -> Value:
-        """High in the clocks of these steps, for a thing done at `clock` in step 0."""
-        key = tuple(steps), clock
+    def during(self, steps: list[int], clock: int, near: str = "") -> Value:
+        """High in the clocks of these steps, for a thing done at `clock` in step 0.
+
+        Each part that is named as `near` has a register of its own.
+        """
+        key = tuple(steps), clock, near
         if key not in self._made:
-            high = Signal(name=f"{self.flag.name}_{steps[0]}to{steps[-1]}_{clock}")
+            name = f"{self.flag.name}_{steps[0]}to{steps[-1]}_{clock}"
+            if near:
+                name = f"{name}_{near}"
+            high = Signal(name=name, attrs=APART if near else {})
             before = [self.flag.at_clock(clock - 1 + step) for step in steps]
             self.m.d.sync += high.eq(Cat(before).any())
             self._made[key] = high
@@ -184,12 +199,17 @@ class _Steps:
 
 
 class _Operands:
-    """The operands where the units find them: held once, or in a long array for each pair."""
+    """The operands where the units find them: held once, or in a long array for each pair or axis.
+
+    Copies are marked, or synthesis would make them one.
+    """
 
     def __init__(self, m: Module, array: CrossArray) -> None:
         self.m = m
         self.array = array
         self.plan = plan = array.plan
+        # where sides take turns, what a reset left under way would move the next launch's operands
+        all_cleared = plan.folding.sides == 2
         self.loads = [
             _Steps(
                 m,
@@ -199,34 +219,55 @@ class _Operands:
                     array.launch,
                     -array.lead,
                     inverted=i == 2,
-                    cleared=i == 0,
+                    cleared=i == 0 or all_cleared,
+                    apart=all_cleared,
                 ),
             )
             for i in range(len(plan.pairs))
         ]
         self.places: dict[tuple[int, str], list[SkewedSignal]] = {}
+        self.beside: dict[tuple[str, int, int], SkewedSignal] = {}
+        if plan.spread:
+            return
         for group, names in enumerate(plan.pairs if plan.copied else [tuple(plan.operands)]):
             for name in names:
                 copy = sum(name == other for _, other in self.places)
-                self.places[group, name] = self._places(name, self.loads[group].flag, copy)
+                self.places[group, name] = self._places(name, self.loads[group], copy)
 
-    def seen(self, side: str, pair: int, forward: int, backward: int, axis: int) -> SkewedSignal:
-        """A unit's operand: from the place of the forward product, or of the one in turn."""
+    def seen(self, side: str, pair: int, number: int, axis: int) -> SkewedSignal:
+        """A unit's operand, from its place."""
         plan, m = self.plan, self.m
         name, group = plan.pairs[pair][side == "right"], pair if plan.copied else 0
+        if plan.spread:
+            return self._beside(name, number, axis)
         arrival = plan.seen[name].arrival
-        word_name = f"{side}{pair}_{forward}_{axis}"
+        word_name = f"{side}{pair}_{number}_{axis}"
         bits: list[Value] = []
         for lo, hi, clock in spans(arrival):
-            chosen = self._at_place(side, group, name, forward, (lo, hi), clock)
-            if plan.folding.sides == 2:
-                swap = self.loads[group].during(plan.steps_where(side=1), clock)
-                other = self._at_place(side, group, name, backward, (lo, hi), clock)
-                chosen = Mux(swap, other, chosen)
             piece = Signal(hi - lo, name=f"{word_name}_{lo}")
-            m.d.comb += piece.eq(chosen)
+            m.d.comb += piece.eq(self._at_place(side, group, name, number, (lo, hi), clock))
             bits.append(piece)
         return SkewedSignal(m, word_name, Cat(*bits), arrival)
+
+    def _beside(self, name: str, number: int, axis: int) -> SkewedSignal:
+        """A component of an operand, in registers that stand with the units of one axis."""
+        key = name, number, axis
+        if key not in self.beside:
+            word, arrival = self._word(name, number), self.plan.seen[name].arrival
+            word_name, held = f"{word.name}_for_{AXES[axis]}", []
+            for lo, hi, clock in spans(arrival):
+                register = Signal(hi - lo, name=f"{word_name}_{lo}", reset_less=True, attrs=APART)
+                self.m.d.sync += register.eq(word.slice_at(lo, hi, clock - 1))
+                held.append(register)
+            self.beside[key] = SkewedSignal(self.m, word_name, Cat(*held), arrival)
+        return self.beside[key]
+
+    def _word(self, name: str, number: int) -> SkewedSignal:
+        """A component of an operand as it comes."""
+        value = getattr(self.array, name)[number]
+        return SkewedSignal(
+            self.m, f"{name}_{AXES[number]}", value, self.plan.operands[name].arrival
+        )
 
     def _at_place(
         self, side: str, group: int, name: str, number: int, bits: tuple[int, int], clock: int
@@ -245,25 +286,16 @@ class _Operands:
             chosen = Mux(self.loads[group].during(turn, clock), other, chosen)
         return chosen
 
-    def _places(self, name: str, launch: ControlDelay, copy: int) -> list[SkewedSignal]:
-        """The three components of an operand, in registers that move round if axes take turns.
-
-        Copies are marked, or synthesis would make them one.
-        """
+    def _places(self, name: str, launch: _Steps, copy: int) -> list[SkewedSignal]:
+        """The three components of an operand, in registers that move round from step to step."""
         plan, m = self.plan, self.m
-        words = [
-            SkewedSignal(
-                m, f"{name}_{axis}", getattr(self.array, name)[i], plan.operands[name].arrival
-            )
-            for i, axis in enumerate(AXES)
-        ]
+        words = [self._word(name, i) for i in range(3)]
         if not plan.held:
             return words
         side = name if plan.folding.crosses == 1 else name[:-1]
         arrival = plan.seen[side].arrival
         held: list[list[Value]] = [[], [], []]
         for lo, hi, clock in spans(arrival):
-            load = launch.at_clock(clock - 1)
             registers = [
                 Signal(
                     hi - lo,
@@ -275,13 +307,32 @@ class _Operands:
             ]
             for i, register in enumerate(registers):
                 held[i].append(register)
-                taken = words[i].slice_at(lo, hi, clock - 1)
-                with m.If(load):
-                    m.d.sync += register.eq(taken)
-                if plan.folding.axes == 3:
-                    with m.Else():
-                        m.d.sync += register.eq(registers[(i + 1) % 3])
+            taken = [word.slice_at(lo, hi, clock - 1) for word in words]
+            self._move(registers, taken, launch, plan.moves(name), clock - 1)
         return [
             SkewedSignal(m, f"held{copy}_{name}_{axis}", Cat(*held[i]), arrival)
             for i, axis in enumerate(AXES)
         ]
+
+    def _move(
+        self,
+        registers: list[Signal],
+        taken: list[Value],
+        launch: _Steps,
+        moves: dict[int, list[int]],
+        clock: int,
+    ) -> None:
+        """Registers take new components at a clock, and in the steps after move as is said."""
+        m, load = self.m, launch.flag.at_clock(clock)
+        usual, *others = moves
+        when = {far: launch.during(moves[far], clock) for far in others}
+        waits = when.pop(0, None)  # an enable from a register, no gate in the enable's way
+        for i, register in enumerate(registers):
+            moved: Value = registers[(i + usual) % 3]
+            for far, now in when.items():
+                moved = Mux(now, registers[(i + far) % 3], moved)
+            with nullcontext() if waits is None else m.If(~waits):
+                with m.If(load):
+                    m.d.sync += register.eq(taken[i])
+                with m.Else():
+                    m.d.sync += register.eq(moved)

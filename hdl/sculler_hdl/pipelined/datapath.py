@@ -161,7 +161,8 @@ class Datapath:
         m, plan, control = self.m, self.schedule.integrals[name], self.control[sensor]
         before: Vector = []
         for i, axis in enumerate(AXES):
-            m.submodules[f"{name}_{axis}"] = part = Accumulator(plan, inverted=INVERTED[sensor])
+            part = Accumulator(plan, inverted=INVERTED[sensor], apart=plan.gap == 1)
+            m.submodules[f"{name}_{axis}"] = part
             m.d.comb += [
                 part.step.eq(control.minor_end.at_clock(plan.clock)),
                 part.last.eq(control.major_end.at_clock(plan.clock)),

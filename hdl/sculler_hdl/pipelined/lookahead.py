@@ -58,7 +58,7 @@ class LookaheadAxis(wiring.Component):
             return SkewedSignal(m, name, values[name], plan.words[name].arrival)
 
         def accumulate(name: str, part: AccumulatorPlan, item: Value) -> Accumulator:
-            m.submodules[name] = adder = Accumulator(part)
+            m.submodules[name] = adder = Accumulator(part, apart=part.gap == 1)
             m.d.comb += [
                 adder.step.eq(step.at_clock(part.clock)),
                 adder.last.eq(last.at_clock(part.clock)),

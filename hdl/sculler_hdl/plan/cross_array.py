@@ -100,15 +100,19 @@ class CrossArrayPlan:
         limb: how sums are cut.
         residue: most low bits of an operand that may go to rows of AND gates.
         form: what it calculates.
+        spread: whether each axis may have its operands in registers of its own; only a long array
+            that is not folded has.
 
     Attributes:
         operands: by the names of the ports: left0, left1, ..., right0, ...
         lanes, sides: axes, and sides of a cross product, that have units of their own.
         pairs: names of the operands (of `seen`) that each kind of unit multiplies.
-        held: clocks that holding the operands takes: 1, or 0 where units do not take turns.
+        held: clocks that holding the operands takes: 1, or 0 where units neither take turns nor
+            stand far apart.
         seen: the operands as the units see them, at the first step.
         multipliers: of each pair.
         block_count: multiplier blocks in all.
+        spread: whether each axis has its operands in registers of its own.
         sums: what a step adds up for each total.
         accumulators: of each total.
         results: for each total and axis, the component on the port and when its bits are there,
@@ -125,6 +129,8 @@ class CrossArrayPlan:
         limb: Limbs,
         residue: int,
         form: Form = CONING_AND_SCULLING,
+        *,
+        spread: bool = False,
     ) -> None:
         self.operands = {f"left{i}": item for i, item in enumerate(lefts)}
         self.operands |= {f"right{i}": item for i, item in enumerate(rights)}
@@ -133,6 +139,7 @@ class CrossArrayPlan:
         self.folding = folding
         self.target = target
         self.limb = limb
+        self.residue = residue
         self.lanes = 3 // folding.axes
         self.sides = 2 // folding.sides
 
@@ -141,25 +148,17 @@ class CrossArrayPlan:
         if folding.crosses == 3:
             taken = {"left": _joint(*lefts), "right": _joint(*rights)}
             self.pairs = [("left", "right")]
-        self.held = int(folding.steps > 1)
+        self.multipliers = self._multipliers(taken)
+        self.block_count = (
+            sum(one.block_count for one in self.multipliers) * self.sides * self.lanes
+        )
+        self.spread = spread and self.block_count > NEAR and folding.steps == 1
+        self.held = int(folding.steps > 1 or self.spread)
         self.seen = {
             name: Operand(item.range, later(item.arrival, self.held))
             for name, item in taken.items()
         }
-        self.multipliers = [
-            MultiplierPlan(
-                target,
-                self.seen[a].range,
-                self.seen[b].range,
-                self.seen[a].arrival,
-                self.seen[b].arrival,
-                residue,
-            )
-            for a, b in self.pairs
-        ]
-        self.block_count = (
-            sum(one.block_count for one in self.multipliers) * self.sides * self.lanes
-        )
+        self.multipliers = self._multipliers(self.seen)
 
         self.sums: dict[str, AdderTreePlan] = {}
         self.accumulators: dict[str, AccumulatorPlan] = {}
@@ -167,6 +166,20 @@ class CrossArrayPlan:
         widest = Interval.signed(max(total.bits for total in totals))
         for name, total in self.totals.items():
             self._plan_total(name, total, widest)
+
+    def _multipliers(self, operands: Mapping[str, Operand]) -> list[MultiplierPlan]:
+        """The products of the pairs of these operands."""
+        return [
+            MultiplierPlan(
+                self.target,
+                operands[a].range,
+                operands[b].range,
+                operands[a].arrival,
+                operands[b].arrival,
+                self.residue,
+            )
+            for a, b in self.pairs
+        ]
 
     def _plan_total(self, name: str, total: Interval, widest: Interval) -> None:
         """What a step adds up for a total, and the accumulator behind."""
@@ -196,7 +209,7 @@ class CrossArrayPlan:
     @property
     def copied(self) -> bool:
         """Whether the operands are held once for each pair: the array is long."""
-        return self.block_count > NEAR and self.folding.crosses == 1
+        return self.block_count > NEAR and self.folding.crosses == 1 and self.folding.steps > 1
 
     def unit_name(self, pair: int, lane: int, number: int) -> str:
         """The name of a unit's parts; `number` is its side, or 0 if sides take turns."""
@@ -206,25 +219,32 @@ class CrossArrayPlan:
     def block_groups(self) -> list[list[str]]:
         """The array's multiplier blocks, those next to each other whose products are added first.
 
-        In one group, or one for each total in a long array whose axes take turns.  Names of
-        submodules.
+        In one group; in a long array one for each axis, or for each axis and total where an axis
+        has many, or its blocks are those of all axes.  Names of submodules.
         """
+        lanes = [self._groups_of(lane) for lane in range(self.lanes)]
+        joined = [[block for group in groups for block in group] for groups in lanes]
+        if self.block_count <= LONG:
+            return [[block for lane in joined for block in lane]]
+        if self.lanes > 1 and max(map(len, joined)) <= LONG:
+            return joined
+        return [group for groups in lanes for group in groups]
+
+    def _groups_of(self, lane: int) -> list[list[str]]:
+        """A lane's blocks, by totals."""
         groups: list[list[str]] = []
-        for lane in range(self.lanes):
-            for total, added in self.sums.items():
-                terms: list[str | None] = []
-                for pair in self.pairs_of(total):
-                    multiplier = self.multipliers[pair]
-                    for number in range(self.sides):
-                        terms += multiplier.block_names(self.unit_name(pair, lane, number))
-                        terms += [None] * multiplier.rows
-                added_up = [block for i in added.order if (block := terms[i]) is not None]
-                seen = {block for group in groups for block in group}  # totals may take turns
-                if not seen.issuperset(added_up):
-                    groups.append([block for block in added_up if block not in seen])
-        if self.block_count > LONG and self.lanes == 1:
-            return groups
-        return [[block for group in groups for block in group]]
+        for total, added in self.sums.items():
+            terms: list[str | None] = []
+            for pair in self.pairs_of(total):
+                multiplier = self.multipliers[pair]
+                for number in range(self.sides):
+                    terms += multiplier.block_names(self.unit_name(pair, lane, number))
+                    terms += [None] * multiplier.rows
+            added_up = [block for i in added.order if (block := terms[i]) is not None]
+            seen = {block for group in groups for block in group}  # totals may take turns
+            if not seen.issuperset(added_up):
+                groups.append([block for block in added_up if block not in seen])
+        return groups
 
     def pairs_of(self, total: str) -> Sequence[int]:
         """The pairs of operands whose products a step forms for a total."""
@@ -236,6 +256,20 @@ class CrossArrayPlan:
         if self.folding.crosses == 1:
             return list(range(each))
         return [cross * each + step for cross in self.form.totals[total] for step in range(each)]
+
+    def moves(self, operand: str) -> dict[int, list[int]]:
+        """How an operand's components move: by so many places before these steps; the usual first.
+
+        A unit finds the next axis one place on.  For a product that is to be subtracted it finds
+        the left component one place on, the right one a place back.
+        """
+        axes, sides = self.folding.axes, self.folding.sides
+        side = 1 if operand.startswith("left") else -1
+        places = [step % axes + side * (step // axes % sides) for step in range(self.folding.steps)]
+        found: dict[int, list[int]] = {}
+        for step, (before, now) in enumerate(pairwise(places), start=1):
+            found.setdefault((now - before) % 3, []).append(step)
+        return found
 
     def steps_where(self, cross: int | None = None, side: int | None = None) -> list[int]:
         """The steps of one of the crosses or one of the sides that take turns."""

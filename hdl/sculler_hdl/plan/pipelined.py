@@ -76,7 +76,8 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
 
     Of the foldings that keep the samples' pace, those within the latency goal are preferred, of
     them the ones that do little without multiplier blocks, of them the ones with fewest blocks.
-    Then additions are given as much time as the latency goal and the pace of results allow.
+    Then the operands of long arrays get registers of their own, and additions as much time, as the
+    latency goal and the pace of results allow.
 
     Raises:
         InputError: `hardware.multipliers` are too few for any folding; or an order above 2 is to be
@@ -111,8 +112,13 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
                     one.timing(spacing).latency,
                 ),
             )
-            relaxed = [AdderTiming(lengths[0], *bits, 2) for bits in product(lengths, lengths)]
-            best = _slowest(design, spacing, best, relaxed)
+            best = _spread(design, spacing, best)
+            for carry_clocks in (2, 1):
+                cuts = product(lengths, lengths)
+                relaxed = [AdderTiming(lengths[0], *bits, carry_clocks) for bits in cuts]
+                hurried, best = best, _slowest(design, spacing, best, relaxed)
+                if best is not hurried:
+                    break
             # A and B afterwards: their products mostly are there before the others
             adders = best.configuration.adders
             taps = [adders._replace(tap_bits=bits) for bits in lengths]
@@ -164,7 +170,16 @@ def _configurations(design: Design, spacing: int) -> Iterator[Configuration]:
         [hurried],
         engines or [None],
     )
-    return map(Configuration._make, choices)
+    return (Configuration(*choice) for choice in choices)
+
+
+def _spread(design: Design, spacing: int, schedule: Schedule) -> Schedule:
+    """The same with spread operands, unless results lose time by it."""
+    other = Schedule(design, schedule.configuration._replace(spread=True))
+    before, after = schedule.timing(spacing), other.timing(spacing)
+    late = after.latency > max(_latency_goal(design), before.latency)
+    slow = clocks_per_major(design, after) > clocks_per_major(design, before)
+    return schedule if late or slow else other
 
 
 def _slowest(

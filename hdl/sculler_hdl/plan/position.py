@@ -180,6 +180,7 @@ class PositionPlan:
         target: whose multiplier blocks.
         limb: how sums are cut.
         residue: most low bits of an operand that may go to rows of AND gates.
+        spread: as of `CrossArrayPlan`.
 
     Attributes:
         counts, ranges: of the samples, by sensor; of the results, by vector.
@@ -201,6 +202,8 @@ class PositionPlan:
         target: Target,
         limb: Limbs,
         residue: int,
+        *,
+        spread: bool = False,
     ) -> None:
         s_alpha, s_nu, scrolling = words.s_alpha, words.s_nu, words.scrolling
         if s_alpha is None or s_nu is None or scrolling is None:
@@ -232,6 +235,7 @@ class PositionPlan:
             limb,
             residue,
             SCROLLING,
+            spread=spread,
         )
         self.block_count = self.array.block_count
 

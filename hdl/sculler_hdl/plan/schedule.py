@@ -68,6 +68,8 @@ class Configuration(NamedTuple):
         residue: most low bits of an operand that are multiplied without a block.
         adders: how much time additions are given.
         turns: clocks of a slot of the vector engine; None with second order.
+        spread: whether the operands of a long array that is not folded stand in registers of each
+            axis: a clock more, and wires half as long.
     """
 
     within: Folding
@@ -76,6 +78,7 @@ class Configuration(NamedTuple):
     residue: int
     adders: AdderTiming
     turns: int | None = None
+    spread: bool = False
 
 
 # the configurations that are compared have many of these in common
@@ -250,6 +253,7 @@ class Schedule:
             TARGETS[self.design.hardware.target],
             adders.cut(adders.sum_bits, *totals),
             self.configuration.residue,
+            spread=self.configuration.spread,
         )
 
     def _position(self) -> PositionPlan | None:
@@ -263,6 +267,7 @@ class Schedule:
             TARGETS[self.design.hardware.target],
             configuration.adders.cut(configuration.adders.sum_bits, words.scrolling),
             configuration.residue,
+            spread=configuration.spread,
         )
 
     def _arrivals(self) -> dict[str, list[Arrival]]:
