@@ -7,6 +7,7 @@ Fractions.  Exponentials are multiplied and the logarithm of the product is take
 
 from __future__ import annotations
 
+from dataclasses import FrozenInstanceError
 from fractions import Fraction
 from math import factorial
 from typing import Any
@@ -490,6 +491,8 @@ def test_composition_of_the_default_table() -> None:
     c = composition(Design.preset("stim300").table)
     assert (c.within, c.third, c.third_triple, c.third_composed) == (105, 94500, 4, 75)
     assert (c.fourth, c.fourth_outer, c.fourth_pairs) == (7938000, 7, 10)
+    with pytest.raises(FrozenInstanceError):  # it is kept, and all of the table's designs share it
+        c.within = 1  # type: ignore[misc]
 
 
 @pytest.mark.parametrize(

@@ -61,6 +61,9 @@ def test_what_a_core_makes_of_it() -> None:
     """Its own products make two of the three terms exact; b × c and coning are left as said."""
     assert TapTable.from_integers(1, 24, [4, -1]) == PARABOLA
     assert first_manoeuvre_error(PARABOLA) == (3, {(0, 3): F(-19, 120), (1, 2): F(-1, 360)})
+    assert first_manoeuvre_error(PARABOLA, highest_order=3)[0] == 3
+    with pytest.raises(ValueError, match="no manoeuvre term is left up to order 2"):
+        first_manoeuvre_error(PARABOLA, highest_order=2)
     assert leading_term(PARABOLA) == LeadingTerm(F(1, 40), 5)
     # straight lines (Eq. 61) err at the parabola, and leave less of coning
     lines = time_taylor(1, 1)
