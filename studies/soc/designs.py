@@ -14,17 +14,15 @@ SLOW_HZ = 16 * 115200.0
 _SLOW_RATE_HZ = 125.0
 _NEEDED: dict[str, Any] = {"core": "compact", "bus": {"result": "wishbone"}}
 
-DESIGN = Design.parse(
-    {
-        "preset": "stim300",
-        "name": "chip",
-        "hardware": {
-            **_NEEDED,
-            "target": "ecp5",
-            "front": {"sensor": "stim300", "clock_hz": 40e6},
-        },
-    }
-)
+
+def usual_design(target: str = "ecp5") -> Design:
+    """The preset `stim300`, at 40 MHz."""
+    front = {"sensor": "stim300", "clock_hz": 40e6}
+    hardware = {**_NEEDED, "target": target, "front": front}
+    return Design.parse({"preset": "stim300", "name": "chip", "hardware": hardware})
+
+
+DESIGN = usual_design()
 
 
 def slow_design(name: str, algorithm: dict[str, Any], **hardware: Any) -> Design:

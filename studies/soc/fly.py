@@ -73,6 +73,15 @@ def chip_of(motion: Motion) -> Chip:
     return make_chip(SocPlan(DESIGN, start))
 
 
+def usual_chip() -> Chip:
+    """The chip that flies.
+
+    Raises:
+        InputError: a tool is missing.
+    """
+    return chip_of(motions.motion(MOTION))
+
+
 def measure() -> Measured:
     """Fly both.
 

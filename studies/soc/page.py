@@ -14,7 +14,7 @@ from studies import documents
 from studies.soc.designs import DESIGN, SLOW_HZ
 from studies.soc.fly import CORRUPTED, LOST, MOTION, SECONDS, Measured
 from studies.soc.more import Further
-from studies.soc.place import CELLS, Placed
+from studies.soc.place import COLUMNS, Placed
 
 PICTURE = "chip-flight.png"
 
@@ -28,7 +28,7 @@ def document(flight: Measured, more: Sequence[Further], placed: Sequence[Placed]
         _times(flight),
         _damage(flight),
         further_table(more),
-        _parts(flight, placed),
+        parts_table(placed, flight.figures["busy_clocks"]),
     ):
         lines += [*section, ""]
     return "\n".join(lines).rstrip() + "\n"
@@ -190,33 +190,56 @@ def further_table(more: Sequence[Further]) -> Iterator[str]:
             )
 
 
-def _parts(flight: Measured, placed: Sequence[Placed]) -> Iterator[str]:
-    busy = flight.figures["busy_clocks"]
+def told_busy_clocks(page: Path) -> int:
+    """Clocks of an update, as the written page tells them."""
+    text = page.read_text(encoding="utf-8")
+    found = re.search(r"^\| taking it up to being free [^|]*\| ([\d,]+) \|", text, re.MULTILINE)
+    assert found is not None
+    return int(found[1].replace(",", ""))
+
+
+def parts_table(placed: Sequence[Placed], busy: int) -> Iterator[str]:
+    """What the chip takes of devices.
+
+    Args:
+        placed: the chip in each.
+        busy: clocks of an update.
+    """
     yield "## In real parts"
     yield ""
     yield documents.paragraph(
-        "`NAME_soc` with its firmware, by Yosys and nextpnr to a bitstream, slowest speed grade,"
-        " one seed, asked for 100 MHz. The clock comes from a pin. A design for another clock"
-        " (`hardware.front.clock_hz`) is another chip, of the same size but for dividers."
+        "`NAME_soc` with its firmware, by Yosys and nextpnr, slowest speed grade, one seed, asked"
+        " for 100 MHz. A design for another clock (`hardware.front.clock_hz`) is another chip, of"
+        " the same size but for dividers. Updates a second are those of the flight above at the"
+        " clock of the part."
     )
     yield ""
-    headings = ("device", "MHz", *CELLS.values(), "bitstream, bytes", "updates a second there")
+    headings = ("device", "MHz", *COLUMNS, "bitstream", "updates a second there")
     rows = [
         (
             one.device,
-            f"{one.mhz:.1f}",
-            *(f"{used:,} of {there:,}" for used, there in one.usage.values()),
-            f"{one.bitstream:,}",
-            f"{1e6 * one.mhz / busy:.0f}",
+            f"{one.mhz:.1f}{' placed' if one.refused else ''}",
+            *(f"{used:,} of {there:,}" for used, there in one.usage),
+            one.bitstream,
+            "" if one.refused else f"{1e6 * one.mhz / busy:.0f}",
         )
         for one in placed
     ]
-    yield from documents.table("lr" + "r" * len(CELLS) + "rr", headings, rows)
+    yield from documents.table("lr" + "r" * len(COLUMNS) + "rr", headings, rows)
     yield ""
+    for one in placed:
+        if one.refused:
+            yield documents.paragraph(
+                f"In the {one.device} the chip is placed, and its rate is nextpnr's estimate from"
+                " there. It is not routed:"
+            )
+            yield ""
+            yield f"    {one.refused}"
+            yield ""
     yield documents.paragraph(
-        "Updates a second are those of the flight above at the clock of the part. In a Nexus"
-        " (LIFCL-40) the chip has not been placed: cores have a target for it, the chip has only"
-        " been tried on ECP5."
+        "The clock comes from a pin that is made for clocks. Of a Nexus (LIFCL) nextpnr writes"
+        " FASM, names of the switches that are set; what makes a bitstream of them, `prjoxide pack`"
+        " of Project Oxide, is in no package for pip."
     )
 
 

@@ -22,7 +22,7 @@ def section(heading: str) -> str:
 def test_the_page_is_the_commands() -> None:
     assert "python -m studies.soc" in WRITTEN.read_text(encoding="utf-8")
     assert (WRITTEN.parents[1] / "images" / PICTURE).is_file()
-    assert all(f"| {device} |" in section("In real parts") for device in DEVICES)
+    assert all(f"\n| {device}-" in section("In real parts") for device in DEVICES)
     assert section("More flights").count("\n| ") >= 7
     for design in (DESIGN, SLOW, ORDER_FOUR, TOO_SLOW, spi_design("adis16505")):
         check_soc(design)

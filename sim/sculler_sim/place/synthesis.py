@@ -164,12 +164,12 @@ def synthesise(generated: Generated, family: Family, part: str = "") -> Synthesi
         if harnessed:
             placed = (work / "placed.json").read_text(encoding="utf-8")
             if family == "nexus":
-                placed = _without_constant_carries(placed)
+                placed = without_constant_carries(placed)
             return Synthesis(name, netlist, core, TOP, placed, log)
         return Synthesis(name, netlist, core, name, core, log)
 
 
-def _without_constant_carries(netlist: str) -> str:
+def without_constant_carries(netlist: str) -> str:
     """A netlist without carry inputs that Yosys ties to 0, which nextpnr-nexus refuses.
 
     The first cell of a chain makes its carry out of its other inputs (Yosys issue 4081).
