@@ -38,8 +38,11 @@ _FORMATS = "cli/sculler/formats"
 _TWIN = ("fast", "pass_the_words")
 """Tests of the fast model: without Numba it takes minutes, and they are not about these modules."""
 
-_CHAIN = ("simulate", "drops_others", "whole_chain")
-"""Tests that compile a simulator, or fly what they read."""
+_CHAIN = (
+    *("simulate", "drops_others", "whole_chain"),
+    *("compiled", "long_log_streams", "stamps_and_counter"),
+)
+"""Tests that compile a simulator or fly what they read; and that need what Numba compiles."""
 
 _HOURS = ("an_hour_of_flight",)
 """A test that needs Numba to end in a minute."""
@@ -93,7 +96,7 @@ SUBJECTS = {
             "host third_order_host calibration scaling_compiled whole_intervals compensation"
             " higher_order",
         ),
-        _TWIN,
+        (*_TWIN, "kept_on_disk"),
     ),
     "navigation": Subject(
         _sources(
