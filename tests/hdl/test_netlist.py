@@ -7,13 +7,21 @@ from contextlib import nullcontext
 
 import pytest
 from amaranth.back import rtlil
-from amaranth.hdl import Cat, Elaboratable, Module, Signal, _nir
+from amaranth.hdl import Cat, DriverConflict, Elaboratable, Module, Signal, _nir
 
 from sculler_hdl.core import build_core
-from sculler_hdl.export.netlist import _METHODS, quick_netlists
+from sculler_hdl.export.netlist import _REPLACED, quick_netlists, rtlil_text
+from sculler_hdl.export.parts import prepared
 from strategies import DESIGNS
 
-BEFORE = {name: getattr(_nir.Netlist, name) for name in ("__init__", *_METHODS)}
+
+def _present() -> list[object]:
+    """Amaranth's functions as they are now."""
+    names = [(owner, name) for owner, functions in _REPLACED.items() for name in functions]
+    return [vars(owner)[name] for owner, name in [(_nir.Netlist, "__init__"), *names]]
+
+
+BEFORE = _present()
 
 
 class Chain(Elaboratable):
@@ -31,13 +39,13 @@ class Chain(Elaboratable):
 
 @pytest.mark.parametrize("name", ["smallest", "stim300_4x5"])
 def test_the_text_is_the_same(name: str) -> None:
-    texts = []
-    for way in (nullcontext, quick_netlists):
-        core = build_core(DESIGNS[name])
-        with way():
-            texts.append(rtlil.convert(core, name=name, emit_src=False))
-    assert texts[0] == texts[1]
-    assert {name: getattr(_nir.Netlist, name) for name in BEFORE} == BEFORE
+    plain = rtlil.convert(build_core(DESIGNS[name]), name=name, emit_src=False)
+    with quick_netlists():
+        assert rtlil.convert(build_core(DESIGNS[name]), name=name, emit_src=False) == plain
+    design, parts = prepared(build_core(DESIGNS[name]), name)
+    assert rtlil_text(design, name) == plain
+    assert all(f"module \\{path}\n" in plain for path in parts)
+    assert _present() == BEFORE
 
 
 def test_a_loop_of_bits_is_found_and_one_of_cells_alone_is_none() -> None:
@@ -52,6 +60,27 @@ def test_a_loop_of_bits_is_found_and_one_of_cells_alone_is_none() -> None:
     with quick_netlists():
         text = rtlil.convert(chain, ports=[chain.given])
     assert "$not" in text
+
+
+class Twice(Elaboratable):
+    """Two modules that drive the same bit."""
+
+    def elaborate(self, platform: object) -> Module:
+        m = Module()
+        bits = Signal(4)
+        for part in "ab":
+            m.submodules[part] = one = Module()
+            one.d.comb += bits[2].eq(1)
+        return m
+
+
+def test_a_bit_that_is_driven_twice_is_named_in_the_same_words() -> None:
+    said = []
+    for way in (nullcontext, quick_netlists):
+        with way(), pytest.raises(DriverConflict) as found:
+            rtlil.convert(Twice(), ports=[])
+        said.append(str(found.value))
+    assert said[0] == said[1]
 
 
 def test_another_threads_netlists_stay() -> None:
@@ -73,4 +102,4 @@ def test_another_thread_waits_for_its_turn() -> None:
             theirs = pool.submit(takes_its_turn)
             assert not wait([theirs], timeout=0.2).done
         theirs.result()
-    assert {name: getattr(_nir.Netlist, name) for name in BEFORE} == BEFORE
+    assert _present() == BEFORE

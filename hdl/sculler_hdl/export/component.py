@@ -16,13 +16,12 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from amaranth.back import rtlil
 from amaranth.lib import wiring
 
 from sculler_hdl.export.choices import choices_of_two
 from sculler_hdl.export.hierarchy import plain_modules
-from sculler_hdl.export.netlist import quick_netlists
-from sculler_hdl.export.parts import Elaborated, Part
+from sculler_hdl.export.netlist import rtlil_text
+from sculler_hdl.export.parts import Part, prepared
 from sculler_hdl.export.port_names import with_signature_names
 from sculler_hdl.export.rtlil_text import read_modules
 from sculler_hdl.export.rtlil_widths import equal_widths
@@ -96,10 +95,8 @@ def _modules(
     trees: bool,
 ) -> list[str]:
     """The text of each module, the component's first."""
-    elaborated = Elaborated(component)
-    with quick_netlists():
-        text = rtlil.convert(elaborated, name=name, emit_src=False)
-    places = elaborated.parts(name)
+    design, places = prepared(component, name)
+    text = rtlil_text(design, name)
     parts = {  # where a signal has a part's name, Amaranth adds a number to that of the part
         module: places.get(re.sub(r"\$\d+", "", module[1:]), Part("memory", frozenset(), ()))
         for module in re.findall(r"^module (\S+)$", text, re.M)[1:]

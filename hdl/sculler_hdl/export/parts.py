@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from amaranth import Elaboratable
+from amaranth import Value
 from amaranth.hdl import Fragment
+from amaranth.hdl._ir import PortDirection
 from amaranth.lib import wiring
 
 from sculler_hdl.export.hierarchy import PLAIN_WORDS
@@ -30,31 +31,29 @@ class Part:
     note: tuple[str, ...]
 
 
-class Elaborated(Elaboratable):
-    """A component elaborated once, to be converted, and its parts to be looked at.
+def prepared(component: wiring.Component, name: str) -> tuple[Any, dict[str, Part]]:
+    """A component elaborated once, ready for Amaranth's `rtlil.convert_fragment`, and its parts.
 
-    Attributes:
-        signature: the component's.
+    What it was elaborated to is not kept beside that.
+
+    Args:
+        component: its signature's members become ports.
+        name: of its module.
+
+    Returns:
+        The prepared design, and the parts by the names Amaranth gives their modules.
     """
-
-    def __init__(self, component: wiring.Component) -> None:
-        self.signature = component.signature
-        self._component = component
-        self._fragment = Fragment.get(component, None)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._component, name)
-
-    def elaborate(self, platform: object) -> Fragment:
-        return self._fragment
-
-    def parts(self, name: str) -> dict[str, Part]:
-        """The parts below the component by the names Amaranth gives their modules.
-
-        Args:
-            name: of the component's module.
-        """
-        return dict(_below(self._fragment, name))
+    ports = {}
+    for path, member, signal in component.signature.flatten(component):
+        direction = PortDirection.Input if member.flow == wiring.In else PortDirection.Output
+        ports["__".join(map(str, path))] = (Value.cast(signal), direction)
+    fragment = Fragment.get(component, None)
+    parts = dict(_below(fragment, name))
+    design = fragment.prepare(ports=ports, hierarchy=(name,))
+    design.elaboratables.clear()
+    for each in design.fragments:  # nor is what they were made from
+        each.origins = None
+    return design, parts
 
 
 def _below(fragment: Fragment, path: str) -> Iterator[tuple[str, Part]]:
