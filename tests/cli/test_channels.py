@@ -1,4 +1,4 @@
-"""Logs and vectors of many channels: `model`, `compare`, `navigate --channel`, and refusals."""
+"""Logs and vectors of many channels: `convert`, `model`, `compare`, `navigate --channel`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sculler
-from sculler.formats.log import COUNTS
+from sculler.formats.log import COUNTS, read_log
 from sculler.formats.vectors import VectorsWriter, read_vectors
 from sculler.main import main
 from sculler_model.design import Design
@@ -170,3 +170,93 @@ def test_blocks_without_channels_do_not_fit_a_file_with_them(place: Path):
     writer = VectorsWriter("v.csv", design.columns, design=design)
     with pytest.raises(ValueError, match="exactly where"), writer:
         writer.write(block)
+
+
+UNITS = "--gyro-unit deg/s --accel-unit g --rates mean --axes y,x,-z".split()
+UNITS += ["--gyro-bias", "1,2,3 deg/h"]
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz"])
+def test_convert_carries_each_channel_s_own_remainder(place: Path, ending: str):
+    """As it does the remainder of a log that is the channel's alone, and of each of its parts."""
+    rng = np.random.default_rng(5)
+    values = rng.normal(0.0, [2e-3] * 3 + [1.0] * 3, (SAMPLES, 6))
+    _, channels, restarts = draw()
+    faults, times = rng.integers(0, 2, SAMPLES), np.arange(SAMPLES) * 0.25
+    written(place / "l.csv", values, restart=restarts, fault=faults, t=times, channel=channels)
+    asked = ["--time-column", "t", *UNITS]
+    assert main(["convert", "l.csv", "-o", f"i.{ending}", "--design", "three.toml", *asked]) == 0
+    (found,) = read_log(f"i.{ending}", Design.load("three.toml"), channels=True)
+    for column, wanted in (
+        (found.channels, channels),
+        (found.restarts, restarts),
+        (found.faults, faults),
+        (found.times, times),
+    ):
+        np.testing.assert_array_equal(column, wanted)
+    for channel in range(3):
+        mine = np.flatnonzero(channels == channel)
+        for part in np.split(mine, np.flatnonzero(restarts[mine])):
+            if len(part):
+                written(place / "alone.csv", values[part])
+                asked = ["-o", "j.csv", "--design", "one.toml", *UNITS]
+                assert main(["convert", "alone.csv", *asked]) == 0
+                (alone,) = read_log("j.csv", Design.load("one.toml"))
+                np.testing.assert_array_equal(found.counts[part], alone.counts)
+    assert np.ptp(found.counts[:, :3]) > 0
+    assert main(["model", "three.toml", f"i.{ending}", "-o", "m.csv"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("columns", "options", "told"),
+    [
+        ({}, [], "log.csv: column channel is missing, give CSV with it: hardware.channels = 3"),
+        ({"channel": 3}, [], "log.csv: column channel: 3 is not one of the design's, give 0 to 2"),
+        (
+            {"channel": 0.5},
+            [],
+            "log.csv: column channel: 0.5 is not one of the design's, give 0 to 2",
+        ),
+        (
+            {"channel": 0, "restart": 2},
+            [],
+            "log.csv: column restart is not 0 or 1 throughout, mend it",
+        ),
+        (
+            {"channel": 1},
+            ["--cumulative"],
+            "--cumulative: not built for a design with channels, convert each channel's log by"
+            " itself, with a design without hardware.channels",
+        ),
+        (
+            {"channel": 1},
+            ["--rates", "instant", "--gyro-unit", "rad/s", "--accel-unit", "g"],
+            "rates at instants are not integrated for a design with channels, give --rates mean",
+        ),
+        (
+            {"channel": 1},
+            [],
+            "log.csv: channel 1: sample 0: gyro_x = 0.5 is not a whole number of counts, check the"
+            " unit",
+        ),
+    ],
+)
+def test_what_convert_says_of_channels(
+    place: Path,
+    capsys: pytest.CaptureFixture[str],
+    columns: dict[str, float],
+    options: list[str],
+    told: str,
+):
+    more = {name: np.full(4, value) for name, value in columns.items()}
+    written(place / "log.csv", np.full((4, 6), 0.5), **more)
+    asked = options if "--gyro-unit" in options else [*options, *COUNTED]
+    assert main(["convert", "log.csv", "-o", "i.csv", "--design", "three.toml", *asked]) == 2
+    assert capsys.readouterr().err in (
+        f"sculler: {told}\n",
+        f"sculler: {told}; see 'sculler convert --help'\n",
+    )
+    assert not Path("i.csv").exists()
+
+
+COUNTED = ["--gyro-unit", "counts", "--accel-unit", "counts"]

@@ -21,11 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sculler.formats.log_columns import (
+    CHANNEL,
     COUNTS,
     FAULT,
     HEADER,
     OF_CHANNELS,
     OPTIONAL,
+    RESTART,
     SEQUENCE,
     TIME,
     Chunk,
@@ -37,11 +39,13 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError
 
 __all__ = [
+    "CHANNEL",
     "COUNTS",
     "FAULT",
     "HEADER",
     "OF_CHANNELS",
     "OPTIONAL",
+    "RESTART",
     "SEQUENCE",
     "TIME",
     "Chunk",
@@ -95,15 +99,24 @@ class LogWriter:
         path: the file.
         faults: write the `fault` column too.
         times: write the `time_s` column too.
+        channels, restarts: write these columns of a log of many channels too.
 
     Raises:
         InputError: the library for the kind of file is absent.
     """
 
-    def __init__(self, path: Path, faults: bool = False, times: bool = False) -> None:
+    def __init__(
+        self,
+        path: Path,
+        faults: bool = False,
+        times: bool = False,
+        channels: bool = False,
+        restarts: bool = False,
+    ) -> None:
         self._faults, self._times = faults, times
+        marks = [FAULT] * faults + [CHANNEL] * channels + [RESTART] * restarts
         kind = TextLogWriter if table_kind(path) is None else LogTableWriter
-        self._file: TextLogWriter | LogTableWriter = kind(path, faults, times)
+        self._file: TextLogWriter | LogTableWriter = kind(path, marks, times)
 
     def write(
         self,
@@ -111,6 +124,8 @@ class LogWriter:
         faults: NDArray[np.uint8] | None = None,
         times: NDArray[np.float64] | None = None,
         origin: float = 0.0,
+        channels: NDArray[np.int64] | None = None,
+        restarts: NDArray[np.uint8] | None = None,
     ) -> None:
         """Append samples.
 
@@ -119,6 +134,7 @@ class LogWriter:
             faults: (N,), if the log has that column (None: 0).
             times: (N,) stamps, s from the origin; exactly if the log has that column.
             origin: a whole number of s.
+            channels, restarts: (N,), exactly if the log has these columns.
 
         Raises:
             ValueError: stamps are missing or too many.
@@ -129,7 +145,8 @@ class LogWriter:
             faults = None
         elif faults is None:
             faults = np.zeros(len(counts), np.uint8)
-        self._file.write(Chunk(counts, faults, times), origin)
+        chunk = Chunk(counts, faults, times, channels=channels, restarts=restarts)
+        self._file.write(chunk, origin)
 
     def __enter__(self) -> LogWriter:
         return self

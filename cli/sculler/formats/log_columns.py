@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,12 @@ class Chunk(NamedTuple):
     sequence: NDArray[np.int64] | None = None
     channels: NDArray[np.int64] | None = None
     restarts: NDArray[np.uint8] | None = None
+
+    @property
+    def marks(self) -> list[NDArray[Any]]:
+        """Its faults, channels and restarts, as far as it has them."""
+        found = (self.faults, self.channels, self.restarts)
+        return [column for column in found if column is not None]
 
     def part(self, which: slice) -> Chunk:
         """Some of the samples."""

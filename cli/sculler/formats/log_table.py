@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -110,17 +110,19 @@ class _Rows:
 class LogTableWriter:
     """Writes a binary log; see `log.LogWriter`."""
 
-    def __init__(self, path: Path, faults: bool, times: bool) -> None:
+    def __init__(self, path: Path, marks: Sequence[str], times: bool) -> None:
         columns = [Column(name) for name in COUNTS]
-        columns += [Column(FAULT, "uint8", 8)] * faults + [Column(TIME, "float64")] * times
+        for name in marks:
+            columns.append(Column(name) if name == CHANNEL else Column(name, "uint8", 8))
+        columns += [Column(TIME, "float64")] * times
         self._stack = ExitStack()
         self._table = self._stack.enter_context(writing_table(path, columns))
 
     def write(self, chunk: Chunk, origin: float) -> None:
         """Append samples; `origin` is added to their times."""
         block: dict[str, NDArray[Any]] = dict(zip(COUNTS, chunk.counts.T, strict=True))
-        if chunk.faults is not None:
-            block[FAULT] = chunk.faults
+        marks = {FAULT: chunk.faults, CHANNEL: chunk.channels, RESTART: chunk.restarts}
+        block |= {name: column for name, column in marks.items() if column is not None}
         if chunk.times is not None:
             block[TIME] = _stamps(chunk.times, origin)
         self._table.write(block)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -271,15 +271,15 @@ def _chunks(
 class TextLogWriter:
     """Writes a log as CSV; see `log.LogWriter`."""
 
-    def __init__(self, path: Path, faults: bool, times: bool) -> None:
+    def __init__(self, path: Path, marks: Sequence[str], times: bool) -> None:
         self._file = path.open("wb")
-        self._file.write((HEADER + f",{FAULT}" * faults + f",{TIME}" * times + "\n").encode())
+        self._file.write((",".join([HEADER, *marks, *[TIME] * times]) + "\n").encode())
         self._written = 0
 
     def write(self, chunk: Chunk, origin: float) -> None:
         """Append samples; `origin` is added to their times."""
-        counts, faults, times = chunk[:3]
-        whole = counts if faults is None else np.column_stack([counts, faults])
+        times, marks = chunk.times, chunk.marks
+        whole = np.column_stack([chunk.counts, *marks]) if marks else chunk.counts
         text = self._printed(whole, times, origin) or _formatted(whole, times, origin)
         self._written += len(text)
         self._file.write(text)

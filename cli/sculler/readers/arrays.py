@@ -27,7 +27,7 @@ from sculler.formats.log import COUNTS, FAULT
 from sculler.formats.tables.parquet import values
 from sculler.readers.apart import Shape
 from sculler.readers.columns import headed, recognise
-from sculler.readers.delimited import fault_flags
+from sculler.readers.delimited import flags
 from sculler.readers.format import COLUMNS, Format, Request, begins
 from sculler.readers.named import exact, read_named
 from sculler.readers.recording import Clock, Recording, Samples, require_finite
@@ -140,14 +140,14 @@ def read_parquet(path: Path, request: Request) -> Recording:
         for arrays in _batches(path, file, wanted):
             values = np.column_stack([arrays[name].astype(np.float64) for name in columns])
             require_finite(path, first, values, columns)
-            flags = fault_flags(path, arrays[FAULT].astype(np.float64)) if faults else None
+            marks = flags(path, FAULT, arrays[FAULT].astype(np.float64)) if faults else None
             seconds = None
             if clock is not None:
                 for name in times:
                     require_finite(path, first, arrays[name][:, None], (name,))
                 seconds = clock(_stamps(path, [arrays[name] for name in times]))
             request.advance(round(share * len(values)))
-            yield Samples(values, flags, seconds)
+            yield Samples(values, marks, seconds)
             first += len(values)
         if not first:
             raise InputError(f"{path}: the log has no samples, give some")

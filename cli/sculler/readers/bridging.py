@@ -17,7 +17,7 @@ def concatenated(chunks: list[Samples]) -> Samples:
     """Consecutive chunks, which have stamps, as one."""
     if len(chunks) == 1:
         return chunks[0]
-    values, faults, times = zip(*chunks, strict=True)
+    values, faults, times = zip(*(chunk[:3] for chunk in chunks), strict=True)
     return Samples(
         np.concatenate(values),
         None if faults[0] is None else np.concatenate(faults),
@@ -27,7 +27,7 @@ def concatenated(chunks: list[Samples]) -> Samples:
 
 def part(samples: Samples, begin: int, end: int | None) -> Samples:
     """Samples `begin` to before `end`, from 0; None for all that come."""
-    values, faults, times = samples
+    values, faults, times = samples[:3]
     return Samples(
         values[begin:end],
         None if faults is None else faults[begin:end],

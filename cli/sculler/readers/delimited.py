@@ -15,7 +15,7 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.formats.log import COUNTS, FAULT
+from sculler.formats.log import CHANNEL, COUNTS, FAULT, OF_CHANNELS, RESTART
 from sculler.readers.columns import headed, recognise, stamp_unit
 from sculler.readers.format import COLUMNS, TIME, UNITS, Format, Request
 from sculler.readers.recording import Clock, Recording, Samples
@@ -30,8 +30,9 @@ _HEAD_ROWS = 1000
 def read_delimited(path: Path, request: Request, program: str | None) -> Recording:
     """A text file of numbers, one sample a line.
 
-    A column called `fault` is carried along.  The file is read as the recording's chunks are drawn,
-    but for its head, which is read at once.
+    A column called `fault` is carried along, and for a design with channels `channel` and
+    `restart`.  The file is read as the recording's chunks are drawn, but for its head, which is
+    read at once.
 
     Args:
         path: the file.
@@ -60,7 +61,8 @@ def read_delimited(path: Path, request: Request, program: str | None) -> Recordi
         with open_text(path) as file:
             for _ in islice(file, header.lines):
                 pass
-            columns = [*header.columns, *([] if whole else header.stamps), *header.faults]
+            first = [*header.columns, *([] if whole else header.stamps)]
+            columns = [*first, *header.of_channels, *header.faults]
             for rows in number_rows(
                 file,
                 path,
@@ -74,13 +76,32 @@ def read_delimited(path: Path, request: Request, program: str | None) -> Recordi
             ):
                 faults = None
                 if header.faults:
-                    faults = fault_flags(path, rows.values[:, -1])
+                    faults = flags(path, FAULT, rows.values[:, -1])
                 if rows.rounded is not None and not warnings:
                     warnings.append(_rounded_told(rows.rounded))
                 times = None if clock is None else clock(_stamps(rows))
-                yield Samples(rows.values[:, : len(COUNTS)], faults, times)
+                named = [column.name for column in header.of_channels]
+                told = rows.values[:, len(first) : len(first) + len(named)]
+                channels = restarts = None
+                if CHANNEL in named:
+                    whose = told[:, named.index(CHANNEL)]
+                    channels = _channels(path, whose, request.design.channels)
+                if RESTART in named:
+                    restarts = flags(path, RESTART, told[:, named.index(RESTART)])
+                values = rows.values[:, : len(COUNTS)]
+                yield Samples(values, faults, times, channels, restarts)
 
-    return Recording(*units, chunks(), bool(header.faults), clock, notes, warnings)
+    of_channels = [column.name for column in header.of_channels]
+    return Recording(
+        *units,
+        chunks(),
+        bool(header.faults),
+        clock,
+        notes,
+        warnings,
+        has_channels=CHANNEL in of_channels,
+        has_restarts=RESTART in of_channels,
+    )
 
 
 def _rounded_told(cell: str) -> str:
@@ -94,15 +115,30 @@ def _rounded_told(cell: str) -> str:
     )
 
 
-def fault_flags(path: Path, values: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """A fault column as flags.
+def flags(path: Path, column: str, values: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """A column of 0 and 1.
 
     Raises:
         InputError: a value is neither 0 nor 1.
     """
     if not np.isin(values, (0, 1)).all():
-        raise InputError(f"{path}: column {FAULT} is not 0 or 1 throughout, mend it")
+        raise InputError(f"{path}: column {column} is not 0 or 1 throughout, mend it")
     return values.astype(np.uint8)
+
+
+def _channels(path: Path, values: NDArray[np.float64], channels: int) -> NDArray[np.int64]:
+    """A column of channels' numbers.
+
+    Raises:
+        InputError: one is not a channel of the design.
+    """
+    good = np.isin(values, np.arange(channels))
+    if not good.all():
+        raise InputError(
+            f"{path}: column {CHANNEL}: {values[~good][0]:.15g} is not one of the design's, give 0"
+            f" to {channels - 1}"
+        )
+    return values.astype(np.int64)
 
 
 def _stamps(rows: Rows) -> NDArray[np.int64] | NDArray[np.str_]:
@@ -128,6 +164,7 @@ class _Header:
         columns: the six of the samples.
         stamps: none, one, or two: whole seconds and nanoseconds.
         time_unit: of the stamps, None if there are none.
+        of_channels: of a design with channels, those of `OF_CHANNELS` that are there.
         faults: none, or the fault column.
         lines: lines before the first row.
     """
@@ -154,14 +191,17 @@ class _Header:
         if request.time is not None:
             time = (request.time,)
         faults = [FAULT] * (FAULT in cells and FAULT not in (*columns, *time))
-        wanted = [*columns, *time, *faults]
+        others = OF_CHANNELS if request.design.channels > 1 else ()
+        of_channels = [name for name in others if name in cells and name not in (*columns, *time)]
+        wanted = [*columns, *time, *of_channels, *faults]
         named = not all(name.isdecimal() for name in wanted)
         if named and line.lstrip().startswith(COMMENT) and known is None:
             cells = header_cells(line.lstrip().lstrip(COMMENT), self.delimiter)
         found = _places(path, number, cells, wanted, named)
         self.columns = found[: len(columns)]
         self.stamps = found[len(columns) : len(columns) + len(time)]
-        self.faults = found[len(columns) + len(time) :]
+        self.of_channels = found[len(columns) + len(time) : len(wanted) - len(faults)]
+        self.faults = found[len(wanted) - len(faults) :]
         plain = header_cells(line.partition(COMMENT)[0], self.delimiter)
         rows = [] if named or not _are_numbers(plain, self.columns) else [line]
         self.lines = number - len(rows)

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.formats.log import COUNTS
+from sculler.formats.log import COUNTS, FAULT
 from sculler.readers.array_choice import Choice, Column, Source
-from sculler.readers.delimited import fault_flags
+from sculler.readers.delimited import flags
 from sculler.readers.format import Request
 from sculler.readers.recording import (
     ACCEL_UNITS,
@@ -52,7 +52,7 @@ def read_named(source: Source, request: Request, whole_is_ns: bool) -> Recording
     faults = None
     if found.fault is not None:
         fault = _values(loaded[found.fault.name], found.fault)
-        faults = fault_flags(path, fault.astype(np.float64))
+        faults = flags(path, FAULT, fault.astype(np.float64))
     others = [
         *zip(columns, found.samples, strict=True),
         (stamps, found.time),

@@ -94,12 +94,15 @@ class Samples(NamedTuple):
 
     `values` is (N, 6): gyro x, y, z, accelerometer x, y, z, in the recording's units.  `faults` is
     (N,) of 0 and 1, or None.  `times` is (N,), seconds since the origin of the recording's clock,
-    or None.
+    or None.  `channels` is (N,), whose sample it is, and `restarts` (N,) of 0 and 1; both None but
+    where a design has channels and the file says it.
     """
 
     values: NDArray[np.float64]
     faults: NDArray[np.uint8] | None = None
     times: NDArray[np.float64] | None = None
+    channels: NDArray[np.int64] | None = None
+    restarts: NDArray[np.uint8] | None = None
 
 
 class Clock:
@@ -161,6 +164,7 @@ class Recording:
             been drawn.
         warnings: what is doubtful in it, in sentences; likewise.
         datagrams: what a raw log is made of; likewise.
+        has_channels, has_restarts: the samples say whose they are, and where a channel begins anew.
     """
 
     gyro: Unit
@@ -171,6 +175,8 @@ class Recording:
     notes: Mapping[str, str] = field(default_factory=dict)
     warnings: Sequence[str] = ()
     datagrams: Census | None = None
+    has_channels: bool = False
+    has_restarts: bool = False
 
 
 def require_finite(path: Path, first: int, values: NDArray[Any], names: Sequence[str]) -> None:

@@ -9,13 +9,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler.formats.log import LogWriter
+from sculler.formats.log import CHANNEL, LogWriter
 from sculler.readers.mounting import Mounting
 from sculler.readers.preparation import Watch, bounded, differenced, signed, unstamped
 from sculler.readers.recording import Recording, Samples, Unit
 from sculler.readers.resampling import resampled
 from sculler.readers.running_sums import Differences
 from sculler.readers.timing import Timing
+from sculler.runs.channel_source import NOT_LOOKED_AT
+from sculler.runs.conversion.channels import ChannelConversions, refuse_what_is_not_built
 from sculler.runs.conversion.counts import Biases, Conversion
 from sculler.runs.conversion.outcome import Outcome
 from sculler.runs.conversion.plan import MAX_GAP, Plan
@@ -42,7 +44,8 @@ def convert_log(plan: Plan, output: Path, *, advance: Advance = silent) -> Outco
     log_format = plan.found_format()
     mounting, biases = plan.mounting(log_format), plan.biases(log_format)
     with replacing(output) as temporary:
-        pass_ = _Pass(plan, log_format, mounting, biases, advance)
+        kind = _ChannelPass if plan.design.channels > 1 else _Pass
+        pass_ = kind(plan, log_format, mounting, biases, advance)
         pass_.write(temporary)
     return pass_.outcome(output)
 
@@ -165,6 +168,65 @@ class _Pass:
             self.differences,
             None if self.resampler is None else self.resampler.left_out,
             self.watch.warnings(),
+        )
+
+
+class _ChannelPass:
+    """One pass over the samples of many channels, which stay in their order."""
+
+    def __init__(
+        self, plan: Plan, log_format: str, mounting: Mounting, biases: Biases, advance: Advance
+    ) -> None:
+        refuse_what_is_not_built(plan)
+        self.plan, self.log_format = plan, log_format
+        self.mounting, self.biases = mounting, biases
+        self.recording, _ = _prepared(plan, log_format, advance)
+        if not self.recording.has_channels:
+            raise InputError(
+                f"{plan.log}: column {CHANNEL} is missing, give CSV with it:"
+                f" hardware.channels = {plan.design.channels}"
+            )
+        self.given = _kind(plan, self.recording)
+        if _resampler(plan, self.given) is not None:
+            raise ContradictionError(
+                "rates at instants are not integrated for a design with channels, give --rates mean"
+            )
+        units = self.recording.gyro, self.recording.accel
+        self.conversion = ChannelConversions(plan.log, plan.design, *units, mounting, biases)
+
+    def write(self, path: Path) -> None:
+        """Take all samples."""
+        recording, clock = self.recording, self.recording.clock
+        to_instant = _to_instant(self.plan, self.given, None)
+        with LogWriter(
+            path, recording.has_faults, clock is not None, True, recording.has_restarts
+        ) as writer:
+            for chunk in recording.chunks:
+                times = None if chunk.times is None else chunk.times + to_instant
+                writer.write(
+                    self.conversion(chunk),
+                    chunk.faults,
+                    times,
+                    0.0 if clock is None else clock.origin,
+                    chunk.channels,
+                    chunk.restarts,
+                )
+
+    def outcome(self, output: Path) -> Outcome:
+        """What came of it."""
+        doubts = [] if self.recording.clock is None else [NOT_LOOKED_AT]
+        return Outcome(
+            self.plan,
+            output,
+            self.log_format,
+            self.recording,
+            self.conversion,
+            self.mounting,
+            self.biases,
+            None,
+            None,
+            None,
+            doubts,
         )
 
 

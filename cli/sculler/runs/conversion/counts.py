@@ -56,7 +56,7 @@ class Conversion:
 
     def __init__(
         self,
-        path: Path,
+        path: Path | str,
         design: Design,
         gyro: Unit,
         accel: Unit,
@@ -80,6 +80,10 @@ class Conversion:
         self.largest = np.zeros(6, np.int64)
         self._sizes = np.zeros(2)  # sums of |rate| and |specific force|
         self._beginning = LogBeginning(design)
+
+    def begin_anew(self) -> None:
+        """The next sample is the first since the sensor was off; no remainder is carried to it."""
+        self._quantiser = Quantiser(self._design)
 
     def _lsb(self, sensor: str) -> float:
         return self._design.sensor.gyro.lsb if sensor == "gyro" else self._design.sensor.accel.lsb

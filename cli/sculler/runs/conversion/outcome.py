@@ -13,6 +13,7 @@ from sculler.readers.recording import Recording
 from sculler.readers.running_sums import Differences
 from sculler.readers.timing import Timing
 from sculler.runs.conversion import timing_told
+from sculler.runs.conversion.channels import ChannelConversions
 from sculler.runs.conversion.counts import Biases, Conversion
 from sculler.runs.conversion.plan import Plan
 from sculler.words import warning_rows
@@ -39,7 +40,7 @@ class Outcome:
     output: Path
     log_format: str
     recording: Recording
-    conversion: Conversion
+    conversion: Conversion | ChannelConversions
     mounting: Mounting
     biases: Biases
     timing: Timing | None
@@ -92,7 +93,7 @@ class Outcome:
             "design": design.name,
             "kind": design.sensor.kind,
             "samples": self.conversion.samples,
-            "seconds": self.conversion.samples * design.sample_interval,
+            "seconds": self.conversion.samples * design.sample_interval / design.channels,
             "notes": dict(self.recording.notes),
             "sensors": {
                 sensor: {
