@@ -20,9 +20,10 @@ _ABOUT = (
     " in an ECP5 of speed grade 6, by Yosys and nextpnr, one seed. *Samples* are what it takes in"
     " the long run at the rate found, of all channels together; *each* is what that leaves for a"
     " channel, all alike. What is a channel's own stands in block memory (DP16KD, 18 kbit each);"
-    " the logic grows by what chooses among the blocks. A memory of up to 2048 words uses the"
-    " block's own output register. A larger one is what synthesis makes of it, without that"
-    " register and with the choice behind it: hence the fall of the rate from 64 channels on."
+    " each shows its words from its own output register. A larger memory has blocks of fewer bits"
+    " side by side, up to 16384 words; beyond there are banks of such, and which one it is comes"
+    " from a register. What limits the rate with 256 channels of 24 bits is the way from a block's"
+    " register through that choice to the multiplier, four fifths of it wire (`sculler place`)."
 )
 
 _HEADINGS = (

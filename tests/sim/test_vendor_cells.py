@@ -247,18 +247,27 @@ def test_yosyss_multiplications_are_right_with_our_mult18x18d(signed, tmp_path):
 
 @pytest.mark.usefixtures("icarus")
 @pytest.mark.parametrize(
-    ("width", "depth"), [(18, 1024), pytest.param(9, 2048, marks=pytest.mark.deep)]
+    ("width", "depth"),
+    [
+        (18, 1024),
+        pytest.param(9, 2048, marks=pytest.mark.deep),
+        *(pytest.param(4 >> i, 4096 << i, marks=pytest.mark.deep) for i in range(3)),
+    ],
 )
 def test_yosyss_memories_are_right_with_our_dp16kd(width, depth, tmp_path):
     """A memory that Yosys maps to the block, beside the same as registers: all words, both ways."""
     top = (depth - 1).bit_length() - 1
     rng = random.Random(2)
+    initial = " ".join(f"words[{i}] = {rng.randrange(1 << width)};" for i in range(depth))
+    if width < 9:  # of zeros, as ours begin
+        initial = f"for (i = 0; i < {depth}; i = i + 1) words[i] = 0;"
     text = f"""module NAME(input clk, input [{top}:0] a, b, input w, input [{width - 1}:0] d,
                        output reg [{width - 1}:0] q);
+      integer i;
       STYLE reg [{width - 1}:0] words [0:{depth - 1}];
       initial begin
         q = 0;
-        {" ".join(f"words[{i}] = {rng.randrange(1 << width)};" for i in range(depth))}
+        {initial}
       end
       always @(posedge clk) begin if (w) words[a] <= d; q <= words[b]; end
     endmodule"""

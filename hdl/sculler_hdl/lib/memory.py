@@ -7,12 +7,15 @@ from functools import reduce
 from operator import or_
 from typing import Any
 
-from amaranth import C, Cat, ClockSignal, Const, Instance, Module, Signal, Value, unsigned
+from amaranth import C, Cat, ClockSignal, Const, Instance, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import memory, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.block_memory import memory_attributes
 from sculler_hdl.targets import Target
+
+_DEPTHS = {18: 1024, 9: 2048, 4: 4096, 2: 8192, 1: 16384}
+"""Words of a DP16KD, by their bits."""
 
 _TABLE_WORDS = 64
 """Of a table of logic: the Verilog text has lines as wide as a table has words."""
@@ -53,7 +56,7 @@ class BlockMemory(wiring.Component):
             primitive
             and not self.logic
             and target.memory_cell == "DP16KD"
-            and len(self.initial) <= 2048
+            and (len(self.initial) <= _DEPTHS[9] or (written and not any(self.initial)))
         )
         address = range(max(len(self.initial), 2))
         super().__init__(
@@ -118,21 +121,84 @@ class BlockMemory(wiring.Component):
         m.d.comb += self.data.eq(data)
 
     def _blocks(self, m: Module) -> None:
-        """As many blocks side by side as the width asks for."""
-        share = 18 if len(self.initial) <= 1024 else 9
+        """Banks of as many blocks side by side as the width asks for."""
+        shares = bank_shares(len(self.initial), self.width)
+        if len(shares) == 1:
+            self._bank(m, "block", shares[0], self.write, self.data)
+            return
+        firsts = [sum(_DEPTHS[share] for share in shares[:bank]) for bank in range(len(shares))]
+        written, read = (_bank_of(each, firsts) for each in (self.write_address, self.address))
+        data = [Signal(self.width, name=f"bank{bank}_data") for bank in range(len(shares))]
+        for bank, share in enumerate(shares):
+            write = self.write & (written == bank)
+            self._bank(m, f"bank{bank}_block", share, write, data[bank])
+        for step in range(self.latency):
+            register = Signal(range(len(shares)), name=f"bank_{step}", reset_less=True)
+            with m.If(self.step):
+                m.d.sync += register.eq(read)
+            read = register
+        m.d.comb += self.data.eq(_chosen(read, data))
+
+    def _bank(self, m: Module, name: str, share: int, write: Value, shown: Value) -> None:
+        """Blocks of so many bits, side by side."""
+        bits = (_DEPTHS[share] - 1).bit_length()
+        large = len(self.initial) > _DEPTHS[9]
         for number, low in enumerate(range(0, self.width, share)):
             initial = [value >> low & (1 << share) - 1 for value in self.initial]
             piece = self.write_data[low : low + share]
             data = Signal(18, name=f"data{number}_unused_above")  # so linters let it pass
-            m.submodules[f"block{number}"] = _dp16kd(
-                share, initial, self.step, self.address, data, self.write, self.write_address, piece
+            m.submodules[f"{name}{number}"] = _dp16kd(
+                share,
+                None if large else initial,
+                self.step,
+                self.address[:bits],
+                data,
+                write,
+                self.write_address[:bits],
+                piece,
             )
-            m.d.comb += self.data[low : low + share].eq(data)
+            m.d.comb += shown[low : low + share].eq(data)
+
+
+def bank_shares(words: int, width: int) -> list[int]:
+    """The bits of a block in each bank of a memory, the deepest bank first.
+
+    The last words stand in one bank or in two, by which of these takes fewer blocks.
+    """
+    deepest = _DEPTHS[1]
+    if words > deepest:
+        return [1, *bank_shares(words - deepest, width)]
+    alone = max(share for share, depth in _DEPTHS.items() if depth >= words)
+    below = [share for share, depth in _DEPTHS.items() if depth < words]
+    if words <= _DEPTHS[9] or not below:
+        return [alone]
+    most = min(below)
+    rest = max(share for share, depth in _DEPTHS.items() if depth >= words - _DEPTHS[most])
+    fewer = -(-width // most) - (-width // rest) < -(-width // alone)
+    return [most, rest] if fewer else [alone]
+
+
+def _bank_of(address: Value, firsts: Sequence[int]) -> Value:
+    """The number of the bank that an address is in, by the first address of each."""
+    bank: Value = C(0, (len(firsts) - 1).bit_length())
+    for number, first in enumerate(firsts[1:], start=1):
+        bank = Mux(address >= first, number, bank)
+    return bank
+
+
+def _chosen(number: Value, data: Sequence[Value]) -> Value:
+    """The one of this number."""
+    if len(data) == 1:
+        return data[0]
+    level = (len(data) - 1).bit_length() - 1
+    return Mux(
+        number[level], _chosen(number, data[1 << level :]), _chosen(number, data[: 1 << level])
+    )
 
 
 def _dp16kd(
     width: int,
-    initial: Sequence[int],
+    initial: Sequence[int] | None,
     step: Value,
     address: Value,
     data: Signal,
@@ -140,12 +206,15 @@ def _dp16kd(
     write_address: Value,
     write_data: Value,
 ) -> Instance:
-    """A block that is written through port A and read through port B with its output register."""
-    shift = {18: 4, 9: 3}[width]
+    """A block that is written through port A and read through port B with its output register.
+
+    Without `initial` it begins with zeros, which is what the block does by itself.
+    """
+    shift = (16 * 1024 // _DEPTHS[width] - 1).bit_length()
     ports: dict[str, Any] = {}
-    enables = C(3, 2) if width == 18 else C(0, 2)  # byte enables stand in the lowest address bits
+    # byte enables stand in the lowest address bits
     addresses = {
-        "A": Cat(enables, C(0, shift - 2), write_address),
+        "A": Cat(C(3 if width == 18 else 0, shift), write_address),
         "B": Cat(C(0, shift), address),
     }
     for side, value in addresses.items():
@@ -171,9 +240,9 @@ def _dp16kd(
             f"p_WRITEMODE_{side}": "NORMAL",
             f"p_CSDECODE_{side}": "0b000",
         }
-    for row in range(64):
+    for row in range(0 if initial is None else 64):
         # 16 words of 18 bits in each, 20 bits apart; narrower words fill those 18 bits
-        ports[f"p_INITVAL_{row:02X}"] = Const(_initial_row(width, initial, row), 320)
+        ports[f"p_INITVAL_{row:02X}"] = Const(_initial_row(width, initial or (), row), 320)
     return Instance("DP16KD", p_RESETMODE="SYNC", p_GSR="DISABLED", **ports)
 
 

@@ -1,6 +1,6 @@
 // DP16KD of the ECP5, written through port A and read through port B, with its output register or
-// without, one clock for both; 1024 words of 18 bits or 2048 of 9.  It has every input, and of the
-// outputs only those of port B.
+// without, one clock for both; 1024 words of 18 bits, 2048 of 9, or, if it begins with zeros, 4096
+// of 4, 8192 of 2 or 16384 of 1.  It has every input, and of the outputs only those of port B.
 `ifndef SCULLER_MODEL_DP16KD
 `define SCULLER_MODEL_DP16KD
 module DP16KD (
@@ -147,9 +147,15 @@ module DP16KD (
   end
 
   wire wide = DATA_WIDTH_A == 18;
+  wire narrow = DATA_WIDTH_A < 9;
   wire [17:0] read_place = memory[read_address[13:4]];
+  wire [17:0] one_word = (18'd1 << DATA_WIDTH_A) - 18'd1;  // of a narrow one
+  wire [17:0] write_word = one_word << write_address[3:0];
   always @(posedge CLKA) begin
-    if (CEA && WEA) begin
+    if (CEA && WEA && narrow)
+      memory[write_address[13:4]] <= (memory[write_address[13:4]] & ~write_word) |
+        ((write_data & one_word) << write_address[3:0]);
+    if (CEA && WEA && !narrow) begin
       if (wide ? write_address[0] : !write_address[3])
         memory[write_address[13:4]][8:0] <= write_data[8:0];
       if (wide ? write_address[1] : write_address[3])
@@ -158,13 +164,17 @@ module DP16KD (
   end
   always @(posedge CLKB) begin
     if (CEB)
-      fetched <= wide ? read_place : {9'd0, read_address[3] ? read_place[17:9] : read_place[8:0]};
+      fetched <= wide ? read_place :
+        narrow ? (read_place >> read_address[3:0]) & one_word :
+        {9'd0, read_address[3] ? read_place[17:9] : read_place[8:0]};
     if (OCEB) shown <= fetched;
   end
 
   // what is not modelled must not pass unseen
   initial begin
-    if ((DATA_WIDTH_A != 18 && DATA_WIDTH_A != 9) || DATA_WIDTH_A != DATA_WIDTH_B ||
+    if ((DATA_WIDTH_A != 18 && DATA_WIDTH_A != 9 && DATA_WIDTH_A != 4 && DATA_WIDTH_A != 2 &&
+        DATA_WIDTH_A != 1) || (DATA_WIDTH_A < 9 && INITIAL != 20480'd0) ||
+        DATA_WIDTH_A != DATA_WIDTH_B ||
         (REGMODE_B != "NOREG" && REGMODE_B != "OUTREG") ||
         CSDECODE_A != "0b000" || CSDECODE_B != "0b000" ||
         CLKAMUX != "CLKA" || CLKBMUX != "CLKB") begin
@@ -172,10 +182,13 @@ module DP16KD (
       $finish;
     end
   end
+  // address bits below a word
+  wire [3:0] below = wide ? 4'd12 :
+    narrow ? {2'd0, DATA_WIDTH_A == 4, DATA_WIDTH_A != 1} : 4'd7;
   always @(posedge CLKA) begin
     if (|{RSTA, CSA0, CSA1, CSA2, WEB, RSTB, CSB0, CSB1, CSB2} !== 1'b0 ||
-        (wide ? write_address[3:2] != 2'd0 || read_address[3:0] != 4'd0 :
-                write_address[2:0] != 3'd0 || read_address[2:0] != 3'd0)) begin
+        (write_address[3:0] & below) != 4'd0 ||
+        (read_address[3:0] & (wide ? 4'd15 : below)) != 4'd0) begin
       $display("DP16KD: this model is written at port A and read at port B");
       $finish;
     end
