@@ -218,28 +218,20 @@ def parts_table(placed: Sequence[Placed], busy: int) -> Iterator[str]:
     rows = [
         (
             one.device,
-            f"{one.mhz:.1f}{' placed' if one.refused else ''}",
+            f"{one.mhz:.1f}",
             *(f"{used:,} of {there:,}" for used, there in one.usage),
             one.bitstream,
-            "" if one.refused else f"{1e6 * one.mhz / busy:.0f}",
+            f"{1e6 * one.mhz / busy:.0f}",
         )
         for one in placed
     ]
     yield from documents.table("lr" + "r" * len(COLUMNS) + "rr", headings, rows)
     yield ""
-    for one in placed:
-        if one.refused:
-            yield documents.paragraph(
-                f"In the {one.device} the chip is placed, and its rate is nextpnr's estimate from"
-                " there. It is not routed:"
-            )
-            yield ""
-            yield f"    {one.refused}"
-            yield ""
     yield documents.paragraph(
-        "The clock comes from a pin that is made for clocks. Of a Nexus (LIFCL) nextpnr writes"
-        " FASM, names of the switches that are set; what makes a bitstream of them, `prjoxide pack`"
-        " of Project Oxide, is in no package for pip."
+        "The clock comes from a pin. Of a Nexus (LIFCL, package BG400, target `nexus`) nextpnr"
+        " writes FASM, names of the switches that are set; what makes a bitstream of them,"
+        " `prjoxide pack` of Project Oxide, is in no package for pip. Its usual router finds no"
+        " way for the clock of the chip there; the older one, `--router router1`, does."
     )
 
 
