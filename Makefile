@@ -18,8 +18,8 @@
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route; half an hour or more, goes on where it stopped
 #   make upsets    docs/explanation/hardening.md: bits of running cores turned over, one by one; an hour
 #   make evidence  docs/explanation/evidence.md and build/evidence.json: requirements with their design, tests and proofs
-#   make prove   tries to prove port contract and arithmetic of small cores, and writes what it proved; an hour or more
-#   make mutate  changed cores against the test bench that is handed out; hours, goes on where it stopped
+#   make prove   docs/explanation/proof.md: port contract and arithmetic of small cores; hours, goes on where it stopped
+#   make mutate  docs/explanation/mutants.md: changed cores against the test bench that is handed out; hours, goes on where it stopped
 #   make mutate-python  docs/explanation/mutants-python.md: the Python changed in one place at a time, and whether its tests see it
 #   make docs    the site of docs/ in build/site, without warnings; DOCS_FLAGS=... for MkDocs
 #   make release-check  wheel and sdist, built and tried outside the tree; they stay in build/release
@@ -118,13 +118,13 @@ $(DOCS): $(READY)
 	@touch $@
 
 prove: $(TOOLS)
-	$(BIN)/python -m studies.prove
+	$(BIN)/python -m studies.prove --write
 
 docs: $(DOCS)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --clean --quiet $(DOCS_FLAGS)
 
 mutate: $(TOOLS)
-	$(BIN)/python -m studies.mutate
+	$(BIN)/python -m studies.mutate --write
 
 mutate-python: $(READY)
 	$(BIN)/python -m studies.mutate_python --write

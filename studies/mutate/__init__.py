@@ -1,7 +1,10 @@
 """Mutants of the emitted Verilog against the test bench that is handed out.
 
 mutants     changes of a core: by Yosys's `mutate`, and bits of the microprogram
-verdicts    what the bench says of each; survivors against the core, by the model checker
+bench       the bench, compiled for two simulators
+equivalence  a changed core against the core, by the model checker
+miter       both in one circuit, as small as it goes
+verdicts    what the bench says of each mutant, and what is known of survivors
 page        the words and tables of mutants.md
 command     the command line
 """

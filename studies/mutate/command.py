@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict
 from pathlib import Path
 
 import click
 
 from sculler import terminal
 from sculler_model.errors import InputError
-from sculler_model.outputs import make_folder, replacing
+from sculler_model.outputs import make_folder
 from sculler_sim.prove.shapes import SHAPES
 from studies import documents
 from studies.mutate.page import document, results
-from studies.mutate.verdicts import Judged, judge
+from studies.mutate.verdicts import judge
 
 RESULTS = Path("build/mutants")
 
@@ -34,7 +32,7 @@ RESULTS = Path("build/mutants")
     default=RESULTS,
     show_default=True,
     metavar="FOLDER",
-    help="Where SHAPE-COUNT.json goes; what is there already is not run again.",
+    help="Where SHAPE-COUNT.json goes; what is there of the same core and bench is not run again.",
 )
 @click.option(
     "--only",
@@ -44,10 +42,14 @@ RESULTS = Path("build/mutants")
     help="A shape; several times for several: " + ", ".join(SHAPES) + ".",
 )
 @click.option(
-    "--count", type=click.IntRange(1), default=30, show_default=True, help="Changes of the gates."
+    "--count", type=click.IntRange(1), default=60, show_default=True, help="Changes of the gates."
 )
 @click.option(
-    "--seconds", type=click.IntRange(1), default=60, show_default=True, help="A survivor's proof."
+    "--seconds",
+    type=click.IntRange(0),
+    default=60,
+    show_default=True,
+    help="A survivor's proof, and as many to look for a difference; 0 for simulation alone.",
 )
 @click.option(
     "--write",
@@ -55,7 +57,7 @@ RESULTS = Path("build/mutants")
     help=f"Write {documents.PAGES / 'mutants.md'} from what came out.",
 )
 def command(folder: Path, names: tuple[str, ...], count: int, seconds: int, write: bool) -> int:
-    """Run changed cores against the test bench that is handed out, in Icarus Verilog.
+    """Run changed cores against the test bench that is handed out, in Verilator and Icarus Verilog.
 
     A survivor is held against the core by the model checker.  Exit status 1 where one can be told
     from the core: a fault of the bench.
@@ -64,24 +66,13 @@ def command(folder: Path, names: tuple[str, ...], count: int, seconds: int, writ
         if name not in SHAPES:
             raise InputError(f"--only {name}: no shape, give one of {', '.join(SHAPES)}")
     make_folder(folder)
-    found = {
-        name: _judged(folder / f"{name}-{count}.json", name, count, seconds)
-        for name in SHAPES
-        if not names or name in names
-    }
+    found = {}
+    for name in SHAPES if not names else [name for name in SHAPES if name in names]:
+        with terminal.progress(name, count) as advance:
+            path = folder / f"{name}-{count}.json"
+            found[name] = judge(SHAPES[name], count, seconds, path, lambda: advance(1))
     terminal.report({}, False, "\n".join(results(found)))
     if write:
         documents.write_page(documents.PAGES / "mutants.md", document(found, count, seconds))
     every = [mutant for mutants in found.values() for mutant in mutants]
     return int(any(mutant.proof.startswith("differs") for mutant in every))
-
-
-def _judged(path: Path, name: str, count: int, seconds: int) -> list[Judged]:
-    """A shape's mutants, from the file if it is there, else run and written to it."""
-    if not path.is_file():
-        with terminal.progress(name, count) as advance:
-            found = judge(SHAPES[name], count, seconds, lambda: advance(1))
-        with replacing(path) as temporary:
-            text = json.dumps([asdict(each) for each in found], indent=1)
-            temporary.write_text(text + "\n", encoding="utf-8")
-    return [Judged(**each) for each in json.loads(path.read_text(encoding="utf-8"))]

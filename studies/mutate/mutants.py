@@ -1,47 +1,53 @@
-"""Changes of a core's Verilog, one at a time."""
+"""Changes of a core's Verilog, all in one text that makes the one it is asked for."""
 
 from __future__ import annotations
 
 import random
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from sculler_hdl import generate
-from sculler_model.design import Design
-from sculler_sim.place.tools import YOSYS, ToolError
+from sculler_sim.prove.problem import run_yosys
 
 SEED = 1
 
 _READ = """\
-read_verilog -defer core.v {cells}
-hierarchy -top {top}
+read_verilog -defer core.v
+{cells}hierarchy -top {name}
 proc
+memory_collect
 opt_clean
 setattr -unset src
 """
 
+_ASKED = 'if (!$value$plusargs("mutant=%d", {0})) {0} = 0;'
+_MODULE = re.compile(r"^module \w+_engine_program *\(", re.M)
+_WORD = re.compile(r"words_2\[(\d+)\] = (\d+)'h([0-9a-f]+);")
+
 
 @dataclass(frozen=True)
-class Mutant:
-    """A changed core.
+class Mutants:
+    """A core that changes itself.
 
     Attributes:
-        change: what was changed, as Yosys says it, or the word and bit of the microprogram.
-        verilog: the changed text.
+        verilog: the core; with `+mutant=N` a simulator runs its change N, without it none.
+        changes: change N is the element N - 1: Yosys's command, or a bit of the microprogram.
     """
 
-    change: str
     verilog: str
+    changes: list[str]
 
 
-def mutants(design: Design, folder: Path, count: int) -> list[Mutant]:
-    """So many changes of the gates, and a third as many of the microprogram, if there is one.
+def mutants(name: str, texts: Mapping[str, str], folder: Path, count: int) -> Mutants:
+    """So many changes of the gates, and twice as many of the microprogram, if there is one.
 
-    The same design and count give the same.  The first has no change: it must pass.
+    The same core and count give the same.  A register's output is not changed, for it would lose
+    its value at power-up; its input is, and what reads it.
 
     Args:
-        design: the design.
+        name: of the core.
+        texts: core and models of blocks, by name of file; the core is NAME.v.
         folder: to work in, a folder that is there.
         count: of the gates.
 
@@ -49,51 +55,102 @@ def mutants(design: Design, folder: Path, count: int) -> list[Mutant]:
         InputError: Yosys is not installed.
         ToolError: Yosys failed.
     """
-    generated = generate(design)
-    core = generated.verilog
-    (folder / "core.v").write_text(core, encoding="utf-8")
-    for cell, text in generated.cells.items():
-        (folder / f"{cell}.v").write_text(text.replace("$finish;", ""), encoding="utf-8")
-    read = _READ.format(
-        top=design.name, cells=" ".join(f"-lib {cell}.v" for cell in generated.cells)
-    ).replace("core.v -lib", "core.v\nread_verilog -lib")
-    _yosys(folder, f"{read}mutate -list {count} -seed {SEED} -none -o list.txt\n")
-    lines = (folder / "list.txt").read_text(encoding="ascii").splitlines()
-    script = [read + "design -save whole"]
-    for number, line in enumerate(lines):
-        script += [
-            "design -load whole",
-            line,
-            f"write_verilog -noattr -norename mutant{number}.v",
-        ]
-    _yosys(folder, "\n".join(script) + "\n")
-    found = [
-        Mutant(line, (folder / f"mutant{number}.v").read_text(encoding="utf-8"))
-        for number, line in enumerate(lines)
+    read = _written(name, texts, folder)
+    run_yosys(folder, f"{read}mutate -list {3 * count} -seed {SEED} -o list.txt\n")
+    found = (folder / "list.txt").read_text(encoding="ascii").splitlines()
+    changes = [each for each in found if " -port Q " not in each][:count]
+    text = _asks(changed(name, texts, folder, changes), name)
+    bits = _drawn(texts[f"{name}.v"], 2 * count)
+    turned = [f"words_2[{word}][{bit}] = !words_2[{word}][{bit}];" for word, bit in bits]
+    cases = [f"{number}: {line}" for number, line in enumerate(turned, len(changes) + 1)]
+    lines = [_ASKED.format("flip"), "case (flip)", *cases, "endcase"]
+    changes += [f"microprogram word {word} bit {bit}" for word, bit in bits]
+    return Mutants(_in_program(text, lines, "flip") if bits else text, changes)
+
+
+def with_unknown(core: str, changes: Sequence[str]) -> str:
+    """A core in whose microprogram all bits that these changes turn over are unknown, x.
+
+    Args:
+        core: its text.
+        changes: of the microprogram.
+    """
+    places = [_place(change) for change in changes]
+    return _in_program(core, [f"words_2[{word}][{bit}] = 1'bx;" for word, bit in places])
+
+
+def changed(name: str, texts: Mapping[str, str], folder: Path, changes: Sequence[str]) -> str:
+    """The text of a core with one of several changes: its input `mutant` says which, from 1 on.
+
+    Args:
+        name: of the core.
+        texts: core and models of blocks, by name of file; the core is NAME.v.
+        folder: to work in, a folder that is there.
+        changes: of the gates, of `Mutants.changes`.
+
+    Raises:
+        InputError: Yosys is not installed.
+        ToolError: Yosys failed.
+    """
+    commands = "\n".join([_written(name, texts, folder), *_asked(changes)])
+    run_yosys(folder, f"{commands}\nwrite_verilog -noattr -norename changed.v\n")
+    return (folder / "changed.v").read_text(encoding="utf-8")
+
+
+def _asked(changes: Sequence[str]) -> list[str]:
+    """The commands that make changes, each where the core's input `mutant` is its number."""
+    return [
+        change.replace("mutate ", f"mutate -ctrl mutant 16 {number} ", 1)
+        for number, change in enumerate(changes, start=1)
     ]
-    return found + _programs(core, count // 3)
 
 
-def _programs(core: str, count: int) -> list[Mutant]:
-    """One bit of the microprogram turned over, in each."""
-    start = core.find("_engine_program (")
-    if start < 0:
-        return []
-    end = core.index("endmodule", start)
-    words = list(re.finditer(r"words_2\[(\d+)\] = (\d+)'h([0-9a-f]+);", core[start:end]))
-    rng = random.Random(SEED)
-    found = []
-    for _ in range(count if words else 0):
-        word = rng.choice(words)
-        bit = rng.randrange(int(word[2]))
-        changed = f"words_2[{word[1]}] = {word[2]}'h{int(word[3], 16) ^ (1 << bit):x};"
-        text = core[: start + word.start()] + changed + core[start + word.end() :]
-        found.append(Mutant(f"microprogram word {word[1]} bit {bit}", text))
-    return found
+def _written(name: str, texts: Mapping[str, str], folder: Path) -> str:
+    """Write the core for Yosys; returns the commands that read it, in which names are the same."""
+    cells = [file for file in texts if file != f"{name}.v"]
+    (folder / "core.v").write_text(texts[f"{name}.v"], encoding="utf-8")
+    for cell in cells:  # `$finish` Yosys wants in `initial` only
+        (folder / cell).write_text(texts[cell].replace("$finish;", ""), encoding="utf-8")
+    return _READ.format(name=name, cells="".join(f"read_verilog -lib {cell}\n" for cell in cells))
 
 
-def _yosys(folder: Path, script: str) -> None:
-    (folder / "mutate.ys").write_text(script, encoding="utf-8")
-    status, said = YOSYS.run(folder, "-q", "mutate.ys")
-    if status:
-        raise ToolError(YOSYS, said)
+def of_program(change: str) -> bool:
+    """Whether a change is one of the microprogram."""
+    return change.startswith("microprogram")
+
+
+def _place(change: str) -> tuple[int, int]:
+    word, bit = map(int, re.findall(r"\d+", change))
+    return word, bit
+
+
+def _asks(text: str, name: str) -> str:
+    """The text with a register in place of the core's input `mutant`."""
+    start = text.index(f"module {name}(")
+    end = text.index(");", start)
+    head = text[start:end].replace(", mutant", "")
+    declared = "  input [15:0] mutant;\n  wire [15:0] mutant;\n"
+    register = f"  reg [15:0] mutant;\n  initial {_ASKED.format('mutant')}\n"
+    return text[:start] + head + text[end:].replace(declared, register, 1)
+
+
+def _program(core: str) -> tuple[int, int]:
+    """Where the microprogram's module begins and ends in a core's text."""
+    module = _MODULE.search(core)
+    return (module.start(), core.index("endmodule", module.start())) if module else (0, 0)
+
+
+def _drawn(core: str, count: int) -> list[tuple[int, int]]:
+    """Words and bits of the microprogram, drawn at random."""
+    words = _WORD.findall(core, *_program(core))
+    bits = [(int(word), bit) for word, width, _ in words for bit in range(int(width))]
+    return random.Random(SEED).sample(bits, min(count, len(bits)))
+
+
+def _in_program(text: str, lines: Sequence[str], register: str = "") -> str:
+    """The text with lines after those that fill the microprogram, and a register for them."""
+    last = list(_WORD.finditer(text, *_program(text)))[-1].end()
+    start = text.rfind("  initial begin", 0, last)
+    declared = f"  reg [15:0] {register};\n" if register else ""
+    more = "".join(f"\n    {line}" for line in lines)
+    return text[:start] + declared + text[start:last] + more + text[last:]

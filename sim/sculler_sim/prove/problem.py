@@ -78,16 +78,20 @@ def write_problems(
         ToolError: Yosys failed.
     """
     sources = write_core(design, folder, verilog)
-    text = properties(design)
-    (folder / "properties.sv").write_text(text, encoding="utf-8")
+    (folder / "properties.sv").write_text(properties(design), encoding="utf-8")
     (folder / "top.v").write_text(top_module(design.name, module_ports(design)), encoding="utf-8")
-    found = re.findall(r"^ +(\w+): assert \(", text, re.M)
+    found = labels_of(design)
     chosen = found if labels is None else [label for label in labels if label in found]
     script = FLAT.format(
         to_gates=TO_GATES, sources=sources, top=TOP, cut="cutpoint t:$mul" if cut else ""
     )
     run_yosys(folder, script + "design -reset\n" + "".join(map(_one, chosen)))
     return chosen
+
+
+def labels_of(design: Design) -> list[str]:
+    """The properties that a design's core has, by their labels."""
+    return re.findall(r"^ +(\w+): assert \(", properties(design), re.M)
 
 
 def _one(label: str) -> str:
