@@ -57,16 +57,17 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
     yield ""
     yield documents.paragraph(
         "A change of the gates that lives is held against the core by ABC's model checker, from"
-        " power-up and for all inputs: it is *equivalent*, or it *differs*, and then the bench has a"
-        " gap, or this is left *open*."
+        " power-up and for all inputs: it is *equivalent*, or it *differs*, and then the bench has"
+        " a gap, or this is left *open*."
         + (
             f" It had {seconds} s for a proof and as many for a difference."
             if seconds
             else " **Here it has not been tried yet**: all that live are open."
         )
-        + " Surviving bits of the microprogram are made unknown (x), all at once, in Icarus Verilog:"
-        " if no port shows x in the whole bench, they are *unused*. Each step of the microprogram"
-        " runs in every interval, whatever the numbers are; but this is no proof for all inputs."
+        + " Surviving bits of the microprogram are made unknown (x), all at once, in Icarus"
+        " Verilog: if no port shows x in the whole bench, they are *unused*. Each step of the"
+        " microprogram runs in every interval, whatever the numbers are; but this is no proof for"
+        " all inputs."
     )
     yield ""
     yield documents.paragraph(
