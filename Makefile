@@ -14,7 +14,7 @@
 #   make channels  docs/explanation/channels.md: area and rate of a core with 1 to 1024 channels, some minutes
 #   make memories  docs/explanation/memories.md: which memories become block memory, some minutes
 #   make host-c    docs/explanation/host-in-c-targets.md: the host in C for small processors, a minute
-#   make soc       docs/explanation/chip.md: the whole chip flies a log in Verilator, and is placed; an hour
+#   make soc       docs/explanation/chip.md: the whole chip flies a log in Verilator, and is placed; a quarter of an hour
 #   make hardware  docs/explanation/hardware.md and its pictures: real place-and-route; half an hour or more, goes on where it stopped
 #   make upsets    docs/explanation/hardening.md: bits of running cores turned over, one by one; an hour
 #   make evidence  docs/explanation/evidence.md and build/evidence.json: requirements with their design, tests and proofs

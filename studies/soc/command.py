@@ -34,7 +34,7 @@ def command(folder: Path, only_flight: bool, only_device: str | None) -> None:
     """Fly the chip in Verilator, place and route it, write chip.md and its picture.
 
     Needs the extras soc, sim and place, and riscv64-unknown-elf-gcc with picolibc.  It takes some
-    hour.
+    quarter of an hour.
     """
     if only_device is not None:
         with terminal.progress("placing", None):
