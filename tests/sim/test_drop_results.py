@@ -115,7 +115,7 @@ def test_samples_do_not_wait_for_a_host_that_takes_nothing(design):
 @EACH_OF_FEW
 @pytest.mark.parametrize("engine", ["verilator", "model"])
 def test_what_is_handed_over_is_the_golden_models_and_gaps_tell_the_rest(design, engine, tmp_path):
-    span, intervals = design.samples_per_major, 40
+    span, intervals = design.samples_per_major, 60
     counts, faults = samples_of(design, intervals * span, 9)
     each = clocks_of_result(design)
     stimulus = AwayAtTimes(8, each, away=5 * each)
