@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from os.path import normpath
 from pathlib import Path
 from textwrap import fill
@@ -11,6 +11,7 @@ import click
 
 from sculler import terminal
 from sculler.plots.pictures import require_matplotlib
+from sculler_model.errors import InputError
 from sculler_model.outputs import make_folder, replacing
 
 PAGES = Path("docs/explanation")
@@ -36,6 +37,41 @@ def folder_option(name: str) -> Callable[[terminal.Command], terminal.Command]:
         show_default=True,
         metavar="FOLDER",
         help=f"Where {name} and {IMAGES}/ go.",
+    )
+
+
+def results_option(folder: Path, holds: str) -> Callable[[terminal.Command], terminal.Command]:
+    """`-o FOLDER`, in which results are kept from run to run; `holds` says which."""
+    return click.option(
+        "-o",
+        "--output",
+        "folder",
+        type=click.Path(file_okay=False, path_type=Path),
+        default=folder,
+        show_default=True,
+        metavar="FOLDER",
+        help=holds,
+    )
+
+
+def only_option(
+    what: str, known: Collection[str]
+) -> Callable[[terminal.Command], terminal.Command]:
+    """`--only NAME`, repeatable: `names`, each of them known, of what there are many."""
+
+    def checked(_context: object, _option: object, names: tuple[str, ...]) -> tuple[str, ...]:
+        for name in names:
+            if name not in known:
+                raise InputError(f"--only {name}: no {what}, give one of {', '.join(known)}")
+        return names
+
+    return click.option(
+        "--only",
+        "names",
+        multiple=True,
+        metavar=what.upper(),
+        callback=checked,
+        help=f"A {what}; several times for several: " + ", ".join(known) + ".",
     )
 
 
@@ -70,6 +106,24 @@ def write_page(path: Path, text: str) -> None:
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
     terminal.report({}, False, f"wrote {terminal.verbatim(path)}")
+
+
+def opening(title: str, takes: str, command: str) -> Iterator[str]:
+    """A page's title and the command that writes it, which takes so long that no test runs it."""
+    yield f"# {title}"
+    yield ""
+    yield "Written by"
+    yield ""
+    yield f"<!-- not run: takes {takes} -->"
+    yield "```sh"
+    yield command
+    yield "```"
+    yield ""
+
+
+def joined(sections: Iterable[Iterable[str]]) -> str:
+    """The text of a page of these sections, an empty line between them."""
+    return "\n".join(line for section in sections for line in (*section, "")).rstrip() + "\n"
 
 
 def paragraph(text: str) -> str:

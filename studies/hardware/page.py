@@ -48,8 +48,7 @@ def document(
         corners: the design space.
         differed: the designs of `classes`; left out if there are none.
     """
-    lines: list[str] = []
-    for section in (
+    sections = (
         _introduction(placed),
         goals(placed),
         *([spread(differed)] if differed else []),
@@ -57,9 +56,8 @@ def document(
         paths(placed),
         _space(corners),
         _beside(placed),
-    ):
-        lines += [*section, ""]
-    return "\n".join(lines).rstrip() + "\n"
+    )
+    return documents.joined(sections)
 
 
 def _introduction(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:

@@ -7,7 +7,6 @@ from pathlib import Path
 import click
 
 from sculler import terminal
-from sculler_model.errors import InputError
 from sculler_model.outputs import make_folder
 from sculler_sim.prove.shapes import SHAPES
 from studies import documents
@@ -24,23 +23,11 @@ RESULTS = Path("build/mutants")
         "python -m studies.mutate --only one_minor --only compact_one --write",
     )
 )
-@click.option(
-    "-o",
-    "--output",
-    "folder",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=RESULTS,
-    show_default=True,
-    metavar="FOLDER",
-    help="Where SHAPE-COUNT.json goes; what is there of the same core and bench is not run again.",
+@documents.results_option(
+    RESULTS,
+    "Where SHAPE-COUNT.json goes; what is there of the same core and bench is not run again.",
 )
-@click.option(
-    "--only",
-    "names",
-    multiple=True,
-    metavar="SHAPE",
-    help="A shape; several times for several: " + ", ".join(SHAPES) + ".",
-)
+@documents.only_option("shape", SHAPES)
 @click.option(
     "--count", type=click.IntRange(1), default=60, show_default=True, help="Changes of the gates."
 )
@@ -62,9 +49,6 @@ def command(folder: Path, names: tuple[str, ...], count: int, seconds: int, writ
     A survivor is held against the core by the model checker.  Exit status 1 where one can be told
     from the core: a fault of the bench.
     """
-    for name in names:
-        if name not in SHAPES:
-            raise InputError(f"--only {name}: no shape, give one of {', '.join(SHAPES)}")
     make_folder(folder)
     found = {}
     for name in SHAPES if not names else [name for name in SHAPES if name in names]:

@@ -31,20 +31,13 @@ def document(found: Found, count: int, seconds: int) -> str:
         seconds: for the proof of a survivor.
     """
     sections = (_introduction(found, count, seconds), results(found), _survivors(found), _limits())
-    return "\n".join(line for section in sections for line in (*section, "")).rstrip() + "\n"
+    return documents.joined(sections)
 
 
 def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
     chosen = "".join(f" --only {name}" for name in found) if len(found) < len(SHAPES) else ""
-    yield "# Mutants of the Verilog"
-    yield ""
-    yield "Written by"
-    yield ""
-    yield "<!-- not run: takes an hour and more -->"
-    yield "```sh"
-    yield f"python -m studies.mutate --count {count} --seconds {seconds}{chosen} --write"
-    yield "```"
-    yield ""
+    command = f"python -m studies.mutate --count {count} --seconds {seconds}{chosen} --write"
+    yield from documents.opening("Mutants of the Verilog", "an hour and more", command)
     yield documents.paragraph(
         "Is the test bench that `sculler generate` writes good enough? Each mutant is the emitted"
         " Verilog with one change: a bit of one cell's port held at 0 or 1, inverted, or inverted"

@@ -25,23 +25,10 @@ PAGE = documents.PAGES / "mutants-python.md"
         "python -m studies.mutate_python --again --write",
     )
 )
-@click.option(
-    "-o",
-    "--output",
-    "folder",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=RESULTS,
-    show_default=True,
-    metavar="FOLDER",
-    help="Where SUBJECT.json goes; a mutant that is there already is not run again.",
+@documents.results_option(
+    RESULTS, "Where SUBJECT.json goes; a mutant that is there already is not run again."
 )
-@click.option(
-    "--only",
-    "names",
-    multiple=True,
-    metavar="SUBJECT",
-    help="A subject; several times for several: " + ", ".join(SUBJECTS) + ".",
-)
+@documents.only_option("subject", SUBJECTS)
 @click.option(
     "--count",
     type=click.IntRange(1),
@@ -59,9 +46,6 @@ def command(
 
     Exit status 1 where a mutant lives that nobody has judged to compute the same.
     """
-    for name in names:
-        if name not in SUBJECTS:
-            raise InputError(f"--only {name}: no subject, give one of {', '.join(SUBJECTS)}")
     try:
         from studies.mutate_python import page, runs, verdicts
     except ImportError as error:

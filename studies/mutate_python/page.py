@@ -38,20 +38,13 @@ def document(found: Found, judged: Judgements, count: int, seed: int) -> str:
         _survivors(found, judged),
         _limits(),
     )
-    return "\n".join(line for section in sections for line in (*section, "")).rstrip() + "\n"
+    return documents.joined(sections)
 
 
 def _introduction(found: Found, count: int, seed: int) -> Iterator[str]:
     chosen = "".join(f" --only {name}" for name in found) if len(found) < len(SUBJECTS) else ""
-    yield "# Mutants of the Python"
-    yield ""
-    yield "Written by"
-    yield ""
-    yield "<!-- not run: takes half an hour and more -->"
-    yield "```sh"
-    yield f"python -m studies.mutate_python --count {count} --seed {seed}{chosen} --write"
-    yield "```"
-    yield ""
+    command = f"python -m studies.mutate_python --count {count} --seed {seed}{chosen} --write"
+    yield from documents.opening("Mutants of the Python", "half an hour and more", command)
     yield documents.paragraph(
         "Would the fast tests see a slip in the Python? Each mutant is the project with one change"
         " in one source: an operator, a comparison or a number replaced, a condition negated, a"

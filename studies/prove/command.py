@@ -8,7 +8,6 @@ from pathlib import Path
 import click
 
 from sculler import terminal
-from sculler_model.errors import InputError
 from sculler_model.outputs import make_folder
 from sculler_sim.prove.claims import settle
 from sculler_sim.prove.engine import Verdict
@@ -30,23 +29,10 @@ RESULTS = Path("build/proofs")
         "python -m studies.prove --only one_minor --only compact_one --cheap --write",
     )
 )
-@click.option(
-    "-o",
-    "--output",
-    "folder",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=RESULTS,
-    show_default=True,
-    metavar="FOLDER",
-    help="Where SHAPE.json goes; what is settled there of the same core is not tried again.",
+@documents.results_option(
+    RESULTS, "Where SHAPE.json goes; what is settled there of the same core is not tried again."
 )
-@click.option(
-    "--only",
-    "names",
-    multiple=True,
-    metavar="SHAPE",
-    help="A shape; several times for several: " + ", ".join(SHAPES) + ".",
-)
+@documents.only_option("shape", SHAPES)
 @click.option("--write", is_flag=True, help=f"Write {documents.PAGES / 'proof.md'}.")
 @click.option(
     "--cheap", is_flag=True, help="Try nothing on the first results, which takes minutes each."
@@ -64,9 +50,6 @@ def command(folder: Path, names: tuple[str, ...], write: bool, cheap: bool, seco
     What is found is kept, so that a later run goes on: it tries again what is open, if it has more
     seconds.  Exit status 1 where a claim is refuted.
     """
-    for name in names:
-        if name not in SHAPES:
-            raise InputError(f"--only {name}: no shape, give one of {', '.join(SHAPES)}")
     found = _found([name for name in SHAPES if not names or name in names], folder, seconds, cheap)
     terminal.report({}, False, "\n".join(results(found)))
     if write:

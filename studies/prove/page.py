@@ -28,7 +28,7 @@ def document(found: Found) -> str:
         results(found),
         _limits(),
     )
-    return "\n".join(line for section in sections for line in (*section, "")).rstrip() + "\n"
+    return documents.joined(sections)
 
 
 def _introduction(found: Found) -> Iterator[str]:
@@ -40,15 +40,8 @@ def _introduction(found: Found) -> Iterator[str]:
     ]
     most = max((given for _, given in properties), default=0)
     chosen = "".join(f" --only {name}" for name in found) if len(found) < len(SHAPES) else ""
-    yield "# What is proved"
-    yield ""
-    yield "Written by"
-    yield ""
-    yield "<!-- not run: takes hours -->"
-    yield "```sh"
-    yield f"python -m studies.prove --seconds {most}{chosen} --write"
-    yield "```"
-    yield ""
+    command = f"python -m studies.prove --seconds {most}{chosen} --write"
+    yield from documents.opening("What is proved", "hours", command)
     yield documents.paragraph(
         f"These are {len(found)} of {len(SHAPES)} shapes. What is found is kept in `build/proofs`;"
         " a later run goes on with what is open, where it has more seconds."

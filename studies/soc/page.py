@@ -21,17 +21,15 @@ PICTURE = "chip-flight.png"
 
 def document(flight: Measured, more: Sequence[Further], placed: Sequence[Placed]) -> str:
     """The text of the page."""
-    lines: list[str] = []
-    for section in (
+    sections = (
         _introduction(flight),
         flight_table(flight),
         _times(flight),
         _damage(flight),
         further_table(more),
         parts_table(placed, flight.figures["busy_clocks"]),
-    ):
-        lines += [*section, ""]
-    return "\n".join(lines).rstrip() + "\n"
+    )
+    return documents.joined(sections)
 
 
 def _introduction(flight: Measured) -> Iterator[str]:

@@ -57,12 +57,14 @@ def read_delimited(path: Path, request: Request, program: str | None) -> Recordi
     whole = header.stamps if clock is not None and clock.unit == "ns" else []
     exact = header.stamps[0] if header.stamps and not whole else None
 
+    marks = [column.name for column in header.marks]
+
     def chunks() -> Iterator[Samples]:
         with open_text(path) as file:
             for _ in islice(file, header.lines):
                 pass
             first = [*header.columns, *([] if whole else header.stamps)]
-            columns = [*first, *header.of_channels, *header.faults]
+            columns = [*first, *header.marks]
             for rows in number_rows(
                 file,
                 path,
@@ -74,33 +76,29 @@ def read_delimited(path: Path, request: Request, program: str | None) -> Recordi
                 header.decimal,
                 exact,
             ):
-                faults = None
-                if header.faults:
-                    faults = flags(path, FAULT, rows.values[:, -1])
                 if rows.rounded is not None and not warnings:
                     warnings.append(_rounded_told(rows.rounded))
                 times = None if clock is None else clock(_stamps(rows))
-                named = [column.name for column in header.of_channels]
-                told = rows.values[:, len(first) : len(first) + len(named)]
-                channels = restarts = None
-                if CHANNEL in named:
-                    whose = told[:, named.index(CHANNEL)]
-                    channels = _channels(path, whose, request.design.channels)
-                if RESTART in named:
-                    restarts = flags(path, RESTART, told[:, named.index(RESTART)])
+                told = dict(zip(marks, rows.values[:, len(first) :].T, strict=True))
+                faults, restarts = (
+                    flags(path, name, told[name]) if name in told else None
+                    for name in (FAULT, RESTART)
+                )
+                channels = None
+                if CHANNEL in told:
+                    channels = _channels(path, told[CHANNEL], request.design.channels)
                 values = rows.values[:, : len(COUNTS)]
                 yield Samples(values, faults, times, channels, restarts)
 
-    of_channels = [column.name for column in header.of_channels]
     return Recording(
         *units,
         chunks(),
-        bool(header.faults),
+        FAULT in marks,
         clock,
         notes,
         warnings,
-        has_channels=CHANNEL in of_channels,
-        has_restarts=RESTART in of_channels,
+        has_channels=CHANNEL in marks,
+        has_restarts=RESTART in marks,
     )
 
 
@@ -164,8 +162,8 @@ class _Header:
         columns: the six of the samples.
         stamps: none, one, or two: whole seconds and nanoseconds.
         time_unit: of the stamps, None if there are none.
-        of_channels: of a design with channels, those of `OF_CHANNELS` that are there.
-        faults: none, or the fault column.
+        marks: the fault column, and of a design with channels those of `OF_CHANNELS`, as far as
+            they are there.
         lines: lines before the first row.
     """
 
@@ -190,18 +188,16 @@ class _Header:
         time: Sequence[str] = () if known is None else known.time
         if request.time is not None:
             time = (request.time,)
-        faults = [FAULT] * (FAULT in cells and FAULT not in (*columns, *time))
-        others = OF_CHANNELS if request.design.channels > 1 else ()
-        of_channels = [name for name in others if name in cells and name not in (*columns, *time)]
-        wanted = [*columns, *time, *of_channels, *faults]
+        known_marks = (*OF_CHANNELS, FAULT) if request.design.channels > 1 else (FAULT,)
+        marks = [each for each in known_marks if each in cells and each not in (*columns, *time)]
+        wanted = [*columns, *time, *marks]
         named = not all(name.isdecimal() for name in wanted)
         if named and line.lstrip().startswith(COMMENT) and known is None:
             cells = header_cells(line.lstrip().lstrip(COMMENT), self.delimiter)
         found = _places(path, number, cells, wanted, named)
         self.columns = found[: len(columns)]
         self.stamps = found[len(columns) : len(columns) + len(time)]
-        self.of_channels = found[len(columns) + len(time) : len(wanted) - len(faults)]
-        self.faults = found[len(wanted) - len(faults) :]
+        self.marks = found[len(columns) + len(time) :]
         plain = header_cells(line.partition(COMMENT)[0], self.delimiter)
         rows = [] if named or not _are_numbers(plain, self.columns) else [line]
         self.lines = number - len(rows)

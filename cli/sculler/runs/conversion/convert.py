@@ -223,10 +223,7 @@ class _ChannelPass:
             self.conversion,
             self.mounting,
             self.biases,
-            None,
-            None,
-            None,
-            doubts,
+            doubts=doubts,
         )
 
 

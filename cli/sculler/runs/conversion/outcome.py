@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -43,10 +43,10 @@ class Outcome:
     conversion: Conversion | ChannelConversions
     mounting: Mounting
     biases: Biases
-    timing: Timing | None
-    differences: Differences | None
-    left_out_s: float | None
-    doubts: list[str]
+    timing: Timing | None = None
+    differences: Differences | None = None
+    left_out_s: float | None = None
+    doubts: list[str] = field(default_factory=list)
 
     @property
     def warnings(self) -> list[str]:
