@@ -121,9 +121,11 @@ def results(found: Found) -> Iterator[str]:
     every = [outcome for claims in found.values() for outcome, _ in claims.values()]
     due = sum(len(claims_of(SHAPES[name])) for name in found)
     proved = sum(outcome.verdict is Verdict.PROVED for outcome in every)
+    untried = due - len(every)
     yield documents.paragraph(
-        f"**{proved} of {due}** are proved in the seconds given, and {due - len(every)} were not"
-        " tried. What is proved is proved without bound, but for"
+        f"**{proved} of {due}** are proved in the seconds given"
+        + (f", and {untried} were not tried" if untried else "")
+        + ". What is proved is proved without bound, but for"
         " `arithmetic` and `word_lengths`, which speak of the first two results alone and are"
         " proved for those. *k clocks*: no input of k clocks from power-up breaks it, more is not"
         " known. *not*: nothing is known. -: the core has no such"
