@@ -6,6 +6,7 @@
     properties(design)  what the core promises on its ports, as SystemVerilog assertions
     StreamCore(design)  the same with Amaranth's streams at its boundary
     timing(design)      the clocks that the core takes, without building it
+    expected_rate(design)   the clock rate it may count on, from designs that were placed
 
 It may import the exact side of `sculler_model` only.  Inside, arrows point one way:
 
@@ -49,6 +50,12 @@ if TYPE_CHECKING:
     from sculler_hdl.plan.ports import sample_ports as sample_ports
     from sculler_hdl.plan.registers import RegisterMap as RegisterMap
     from sculler_hdl.plan.timing import timing as timing
+    from sculler_hdl.rates import ExpectedRate as ExpectedRate
+    from sculler_hdl.rates import Placed as Placed
+    from sculler_hdl.rates import expected_rate as expected_rate
+    from sculler_hdl.rates import kind_of as kind_of
+    from sculler_hdl.rates import placed_designs as placed_designs
+    from sculler_hdl.rates import rate_of as rate_of
     from sculler_hdl.streams import StreamCore as StreamCore
     from sculler_hdl.streams import result_layout as result_layout
     from sculler_hdl.streams import sample_layout as sample_layout
@@ -64,8 +71,10 @@ _PLACES = {
     "ClockedCore": "clocked",
     "PROPERTIES": "export.properties",
     "Core": "core",
+    "ExpectedRate": "rates",
     "Generated": "export.verilog",
     "Manifest": "export.manifest",
+    "Placed": "rates",
     "Port": "plan.ports",
     "RegisterMap": "plan.registers",
     "ResultBus": "bus.bus",
@@ -78,14 +87,18 @@ _PLACES = {
     "component_ports": "plan.ports",
     "counter_ports": "plan.ports",
     "describe_ports": "export.manifest",
+    "expected_rate": "rates",
     "front_counter_ports": "plan.front",
     "front_ports": "plan.front",
     "generate": "export.verilog",
+    "kind_of": "rates",
     "module_ports": "export.manifest",
     "own_bus_ports": "plan.bus_ports",
     "packet_sample_ports": "plan.bus_ports",
     "pin_ports": "plan.front",
+    "placed_designs": "rates",
     "properties": "export.properties",
+    "rate_of": "rates",
     "result_layout": "streams",
     "result_ports": "plan.ports",
     "sample_layout": "streams",
@@ -103,8 +116,10 @@ __all__ = [
     "ClockEnableInserter",
     "ClockedCore",
     "Core",
+    "ExpectedRate",
     "Generated",
     "Manifest",
+    "Placed",
     "Port",
     "RegisterMap",
     "ResultBus",
@@ -116,14 +131,18 @@ __all__ = [
     "component_ports",
     "counter_ports",
     "describe_ports",
+    "expected_rate",
     "front_counter_ports",
     "front_ports",
     "generate",
+    "kind_of",
     "module_ports",
     "own_bus_ports",
     "packet_sample_ports",
     "pin_ports",
+    "placed_designs",
     "properties",
+    "rate_of",
     "result_layout",
     "result_ports",
     "sample_layout",

@@ -8,8 +8,10 @@ from pathlib import Path
 import click
 
 from sculler import terminal
+from sculler_hdl import placed_designs
 from sculler_model.errors import InputError
 from studies import documents
+from studies.hardware import counted_on
 from studies.hardware.classes import classes, spread
 from studies.hardware.measure import BUDGETS, SEEDS, design_space, measure
 from studies.hardware.page import devices, document, goals, paths
@@ -49,9 +51,19 @@ from studies.hardware.points import Point, points
     multiple=True,
     metavar="KEY",
     help="One of these designs, to be on the page too; several times for several, some ten minutes"
-    " each.",
+    " each; if left out those that are on it.",
 )
-def command(folder: Path, keys: tuple[str, ...], of_classes: bool, others: tuple[str, ...]) -> None:
+@click.option(
+    "--rates",
+    type=click.Path(dir_okay=False, path_type=Path),
+    default=counted_on.FILE,
+    show_default=True,
+    metavar="FILE",
+    help="Where the rates go that the library tells.",
+)
+def command(
+    folder: Path, keys: tuple[str, ...], of_classes: bool, others: tuple[str, ...], rates: Path
+) -> None:
     """Place and route the cores in the devices, write hardware.md and draw its pictures."""
     differing = [point for group in classes() for point in group.points]
     chosen = _chosen("--only", keys, differing if of_classes else points())
@@ -68,12 +80,14 @@ def command(folder: Path, keys: tuple[str, ...], of_classes: bool, others: tuple
         return
 
     def compute(images: Path) -> tuple[str, list[Path]]:
-        beside = _chosen("--differing", others, differing) if others else []
+        wanted = others or tuple(one.key for one in placed_designs() if not one.tuned)
+        beside = _chosen("--differing", wanted, differing) if wanted else []
         total = (len(chosen) + len(beside)) * (1 + len(SEEDS)) + len(BUDGETS) + 2
         with terminal.progress("placing", total) as advance:
             placed = measure(chosen, advance)
             corners = design_space(advance)
             differed = measure(beside, advance)
+        counted_on.write(rates, counted_on.rows(placed, differed))
         return document(placed, corners, differed), draw(images, placed, corners)
 
     documents.write_document(folder / "hardware.md", compute)

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from sculler.words import three_digits
 from sculler_sim.place.placement import Placement
 from studies import documents
+from studies.hardware import counted_on
 from studies.hardware.classes import spread
 from studies.hardware.measure import SEEDS, Corner
 from studies.hardware.points import Point, counted
@@ -51,7 +52,11 @@ def document(
     sections = (
         _introduction(placed),
         goals(placed),
-        *([spread(differed)] if differed else []),
+        *(
+            [spread(differed), counted_on.section(counted_on.rows(placed, differed))]
+            if differed
+            else []
+        ),
         devices(placed),
         paths(placed),
         _space(corners),

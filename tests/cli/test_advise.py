@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+from sculler.runs.speeds import Speed, speeds
+from sculler_hdl import ExpectedRate, placed_designs
 from sculler_model.design import Design
 
 Run = Callable[..., Any]
@@ -59,6 +61,51 @@ def test_the_order_that_a_motion_needs(run: Run) -> None:
     data = json.loads(run(*words, "--json").out)
     assert [found["order"] for found in data["orders"]] == [2, 3, 4]
     assert data["meet"][0] == data["orders"][2]
+
+
+def test_clock_rates_to_count_on(run: Run, tmp_path: Path) -> None:
+    """Of the cheapest: in each core and target that was placed, or in the design file's own."""
+    data = json.loads(run("advise", "stim300", *CONING, "--json").out)
+    best = data["meet"][0]
+    assert {(each["core"], each["target"]) for each in data["speeds"]} == {
+        (one.kind.core, one.kind.target) for one in placed_designs() if not one.tuned
+    }
+    for each in data["speeds"]:
+        if each["expected_mhz"] is None:
+            assert (each["samples_per_second"], each["fits"]) == (None, None)
+            assert each["basis"].startswith("not placed: ")
+        else:
+            taken = 1e6 * each["expected_mhz"] / each["clocks_per_sample"]
+            assert each["samples_per_second"] == pytest.approx(taken)
+            assert each["fits"] == (taken >= best["sample_rate_hz"])
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        'name = "mine"\npreset = "stim300"\n[hardware]\ncore = "compact"\ntarget = "gowin"\n'
+    )
+    outcome = run("advise", path, *CONING)
+    assert "compact, gowin" in outcome.out
+    assert "unknown" in outcome.out
+    (alone,) = json.loads(run("advise", path, *CONING, "--json").out)["speeds"]
+    assert alone["basis"] == "not placed: no compact core with target gowin was"
+    assert alone["clocks_per_sample"] > 1
+
+
+def test_samples_that_do_not_fit() -> None:
+    """At 50 MHz and 100 clocks a sample half a million a second fit, and one more does not."""
+    rate = ExpectedRate(50.0, "made up")
+    data = {"preset": "stim300", "hardware": {"core": "compact", "target": "ice40"}}
+    for asked, fits in ((500_000.0, True), (500_001.0, False)):
+        design = Design.parse(data | {"sensor": {"sample_rate_hz": asked}})
+        speed = Speed(design, 100.0, rate)
+        assert (speed.samples_per_second, speed.fits) == (500_000.0, fits)
+
+
+def test_multipliers_that_are_too_few_are_told() -> None:
+    data = {"preset": "stim300", "hardware": {"target": "ecp5", "multipliers": 1}}
+    base = Design.parse(data)
+    (speed,) = speeds(Design.preset("stim300"), base)
+    assert (speed.clocks_per_sample, speed.samples_per_second, speed.fits) == (None, None, None)
+    assert "hardware.multipliers" in speed.rate.basis
 
 
 def test_nothing_meets(run: Run, tmp_path: Path) -> None:

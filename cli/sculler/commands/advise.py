@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from sculler.runs.advice import Plan
+    from sculler.runs.speeds import Speed
     from sculler_model.analysis.advice import Candidate
     from sculler_model.analysis.requirement import Budget
 
@@ -72,7 +73,9 @@ def command(
     third and fourth order are tried too; where a manoeuvre or position does, smaller M and
     high-resolution position.  Under a vibration what is left is the bound over all phases (see
     analyze vibration); under coning it includes the triple products.  --nmi-per-hour prints a
-    navigator's budget, and asks for what it leaves the algorithm; without DESIGN that is all.  Exit
+    navigator's budget, and asks for what it leaves the algorithm; without DESIGN that is all.  Of
+    the cheapest it tells the clock rate to count on, from designs that were placed and routed, and
+    whether the sensor's samples fit: in DESIGN's core and target, or in each that was placed.  Exit
     status 1 if nothing meets the requirement.
     """
     navigator = advice.budget(asked)
@@ -86,6 +89,7 @@ def command(
         terminal.report(data, as_json, advice.budget_table(navigator))
         return 0
     from sculler.runs.advice import find_designs, write_design
+    from sculler.runs.speeds import speeds
 
     plan = _plan(design_name, spectrum, asked, navigator)
     outcome = find_designs(plan)
@@ -102,6 +106,10 @@ def command(
         wrote = [f"wrote {terminal.verbatim(output)}"]
     if len(outcome.orders) > 1:
         tables.append(_orders(outcome.orders))
+    if good:
+        found = speeds(good[0].design, plan.base)
+        data["speeds"] = [speed.as_json() for speed in found]
+        tables.append(_speeds(found))
     tables.append(_fails(bad, len(bad) if show_all else SHOWN))
     count = len(good) + len(bad)
     verdict = (
@@ -204,6 +212,37 @@ def _needed(candidates: list[Candidate]) -> str:
     if least is None:
         return "no order of this design meets the requirement"
     return f"this design needs order {least}" if least > 2 else "order 2 is enough"
+
+
+def _speeds(found: list[Speed]) -> Table:
+    """The clock rates that a design may count on, and whether the samples fit."""
+    from rich.table import Table
+
+    from sculler.words import three_digits
+
+    design = found[0].design
+    name, rate = terminal.verbatim(design.name), design.sensor.sample_rate_hz
+    table = Table(
+        title=f"[bold]{name} in real devices, {rate:g} samples/s asked[/]",
+        title_justify="left",
+    )
+    table.add_column("core, target", no_wrap=True)
+    for column in ("clocks/sample", "MHz", "samples/s"):
+        table.add_column(column, justify="right")
+    table.add_column("fits")
+    table.add_column("basis of the clock rate", overflow="fold")
+    for speed in found:
+        hardware, clocks = speed.design.hardware, speed.clocks_per_sample
+        mhz, taken = speed.rate.mhz, speed.samples_per_second
+        table.add_row(
+            f"{hardware.core}, {hardware.target}",
+            "" if clocks is None else f"{clocks:.4g}",
+            "" if mhz is None else f"{mhz:.1f}",
+            "" if taken is None else three_digits(taken),
+            {True: "yes", False: "[red]no[/]", None: "unknown"}[speed.fits],
+            terminal.verbatim(speed.rate.basis),
+        )
+    return table
 
 
 def _results(table: Table, candidates: list[Candidate]) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 
 from sculler_hdl.core import Core
 from sculler_hdl.plan.ports import Port, clock_ports, core_ports
+from sculler_hdl.rates import expected_rate
 from sculler_model.design import Design, Interval
 from sculler_model.golden import (
     WORD_BITS,
@@ -55,8 +56,8 @@ class Manifest:
         """As it stands in the file, in its order: a copy that may be changed.
 
         It holds the design, the tap table, every port with direction, width, signedness and
-        meaning, scale factors, latency and throughput in clocks, word lengths, tool versions and
-        the SHA-256 of design and Verilog text.
+        meaning, scale factors, latency and throughput in clocks, the clock rate to count on, word
+        lengths, tool versions and the SHA-256 of design and Verilog text.
         """
         design, plan = self.design, self.design.compensation_plan
         resources: dict[str, Any] = dict(self.resources)
@@ -82,6 +83,7 @@ class Manifest:
             "clocks_per_minor": self.clocks_per_minor,
             "clocks_per_major": self.clocks_per_major,
             "timing": _timing(self.timing),
+            "expected_rate": asdict(expected_rate(design)),
             "resources": resources,
             "stream": _stream(design),
             "word_lengths": {
