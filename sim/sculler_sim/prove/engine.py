@@ -59,22 +59,29 @@ _VERDICTS = {
 }
 
 
-def prove(folder: Path, name: str, seconds: int) -> Outcome:
+def prove(folder: Path, name: str, seconds: int, *, bounded: bool = True) -> Outcome:
     """Prove that the output of NAME.aig is never high; else find for how many clocks it is not.
 
     Args:
         folder: where it lies.
         name: of the file.
         seconds: after which to give up, once for ever and once for so many clocks.
+        bounded: whether to try the latter.
 
     Raises:
         InputError: Yosys is not installed.
         ToolError: it failed.
     """
     begun = time.monotonic()
-    verdict, clocks = _run(folder, name, f"pdr -T {seconds}")
-    if verdict is Verdict.OPEN:
-        verdict, longer = _run(folder, name, f"bmc3 -T {seconds}")
+    small = f"{name}_small"
+    _abc(folder, name, f"read_aiger {name}.aig; fold; scorr; write_aiger {small}.aig")
+    if not (folder / f"{small}.aig").is_file():
+        raise ToolError(YOSYS, "ABC wrote no circuit")
+    if _outputs(folder / f"{small}.aig") == [0]:  # `pdr` says nothing of a constant
+        return Outcome(Verdict.PROVED, 0, time.monotonic() - begun)
+    verdict, clocks = _run(folder, small, f"pdr -T {seconds}")
+    if bounded and verdict is Verdict.OPEN:
+        verdict, longer = _run(folder, small, f"bmc3 -T {seconds}")
         clocks = longer if verdict is Verdict.REFUTED else max(clocks, longer)
     return Outcome(verdict, clocks, time.monotonic() - begun)
 
@@ -114,15 +121,17 @@ def prove_unrolled(folder: Path, name: str, clocks: int) -> Verdict:
 
 
 def _outputs(path: Path) -> list[int]:
-    """What the outputs of a circuit without registers are: 0 and 1 are constants, else a node."""
+    """What the outputs of a circuit are: 0 and 1 are constants, else a node."""
     with path.open("rb") as file:
-        _, _, _, _, outputs, *_ = file.readline().split()  # aig M I L O A
+        _, _, _, latches, outputs, *_ = file.readline().split()  # aig M I L O A
+        for _ in range(int(latches)):
+            file.readline()
         return [int(file.readline()) for _ in range(int(outputs))]
 
 
 def _run(folder: Path, name: str, command: str) -> tuple[Verdict, int]:
     (folder / f"{name}.status").unlink(missing_ok=True)
-    _abc(folder, name, f"read_aiger {name}.aig; fold; scorr; {command}; write_status {name}.status")
+    _abc(folder, name, f"read_aiger {name}.aig; {command}; write_status {name}.status")
     return _status(folder, name)
 
 
