@@ -3,8 +3,9 @@
 Two long runs come first.  They have random stalls, and major intervals made for the status bits: a
 fault in the first or last sample alone, one count alone at one of its rails, all counts at their
 rails and then all at the other ones.  Short runs follow, each ended by a reset that comes so many
-clocks after its last sample: one for each clock of the latency, where these are few.  The last run
-is for the counters, which the bench sets just below where they carry.
+clocks after its last sample: one for each clock of the latency, where these are few, and else above
+all for those near its end.  The last run is for the counters, which the bench sets just below where
+they carry.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ from sculler_model.golden import Timing, clocks_per_major, words_per_column, wor
 _SEED = 2001
 _DROPPING = 5  # major intervals after which a result has been dropped
 _CLOCKS = 3  # a sample; cores that take more get fewer samples than `Least` says
-_MOST_CLOCKS = 30_000  # of the directed intervals, and of the resets; slow cores get fewer
+_MOST_CLOCKS = 30_000
+_NEAR = 16  # clocks of a latency, and a tenth of a long one, in which a program ends
 _PATTERN = 16  # major intervals until each of the twelve rails was touched alone
 
 
@@ -37,12 +39,15 @@ class Least(NamedTuple):
             after it.
         directed: major intervals made for the status bits, of those after it.
         resets: resets with a result on its way; 0 for the two long runs alone, without goals.
+        clocks: that directed intervals may take, and as many that resets may; slow cores get fewer
+            of them.
     """
 
     before: tuple[int, int]
     after: tuple[int, int]
     directed: int
     resets: int
+    clocks: int = _MOST_CLOCKS
 
 
 LEAST = Least((1, 200), (2, 400), _PATTERN, 60)
@@ -84,7 +89,7 @@ def run_lengths(design: Design, timing: Timing, least: Least) -> tuple[int, int]
     per_major = design.samples_per_major
     clocks = clocks_per_major(design, timing)
     slowness = max(1, clocks // (_CLOCKS * per_major))
-    directed = min(least.directed, _MOST_CLOCKS // clocks)
+    directed = min(least.directed, least.clocks // clocks)
     fewest = max(least.after[0], directed, _DROPPING if design.drops_results else 0)
     before, after = (
         max(intervals, -(-samples // slowness // per_major)) * per_major + per_major // 2
@@ -101,19 +106,18 @@ def plan_runs(design: Design, timing: Timing, least: Least) -> list[Run]:
         return long
     return [
         *long,
-        *_resets(design, timing, least.resets),
+        *_resets(design, timing, least),
         Run(Kind.COUNTERS, counter_intervals(design, timing) * design.samples_per_major, 0, 0),
     ]
 
 
-def _resets(design: Design, timing: Timing, most: int) -> Iterator[Run]:
+def _resets(design: Design, timing: Timing, least: Least) -> Iterator[Run]:
     """Runs that a reset ends while a result is on its way, is handed over, or waits."""
     rng = random.Random(_SEED)
     span, clocks = design.samples_per_major, clocks_per_major(design, timing)
     intervals = 1 + -(-(timing.latency + 8) // clocks)
-    room = max(1, min(most, _MOST_CLOCKS // (clocks * intervals + timing.startup)))
-    stages = range(timing.latency - 1)
-    delays = list(stages) if len(stages) <= room else sorted(rng.sample(stages, room))
+    room = max(1, min(least.resets, least.clocks // (clocks * intervals + timing.startup)))
+    delays = _delays(rng, range(timing.latency - 1), room)
     parts = words_per_result(design) if design.hardware.handover == "stream" else 1
     whole = timing.latency + parts * (timing.handover_spacing + 1)
     back_to_back = 3 + -(-2 * whole // clocks)  # so many that two results come meanwhile
@@ -126,6 +130,18 @@ def _resets(design: Design, timing: Timing, most: int) -> Iterator[Run]:
     for _ in range(2 if room > 2 else 1):
         samples = span + rng.randrange(span)
         yield Run(Kind.HELD, samples, whole + rng.randrange(8), 1)
+
+
+def _delays(rng: random.Random, stages: range, room: int) -> list[int]:
+    """All of them, or so many: every other one near the end, where a compact core's program ends.
+
+    There a word of the program must not act any more after the reset.
+    """
+    if len(stages) <= room:
+        return list(stages)
+    near = min(len(stages), max(_NEAR, len(stages) // 10))
+    late = min(near, max(room - room // 2, room - (len(stages) - near)))
+    return sorted(rng.sample(stages[:-near], room - late) + rng.sample(stages[-near:], late))
 
 
 def stages(runs: Sequence[Run]) -> int:

@@ -1,3 +1,4 @@
+import random
 import re
 import shlex
 import shutil
@@ -22,7 +23,8 @@ from sculler_model.design import (
 )
 from sculler_model.errors import InputError
 from sculler_model.golden import Timing, words_per_column, words_per_result
-from sculler_sim.bench_runs import LEAST, plan_runs, samples_of
+from sculler_sim.bench_runs import LEAST, _delays, plan_runs, samples_of
+from sculler_sim.prove.shapes import SHAPES
 from sculler_sim.testbench import write_testbench
 from strategies import CORES, DESIGNS, make_design, with_hardware
 from tiers import few_of
@@ -209,6 +211,29 @@ def test_a_core_with_a_small_fault_fails(icarus, tmp_path, right, wrong, port):
     core.write_text(text)
     said = shell(command, tmp_path).stdout
     assert re.match(rf"FAIL: result .*, result_{port}: ", said), said
+
+
+def test_a_program_that_acts_on_after_a_reset_is_seen(icarus, tmp_path):
+    """A word that was fetched before the reset ends the program that begins after it."""
+    design = SHAPES["compact_plain"]
+    command, core = bench_of(design, tmp_path, LEAST)["icarus"], tmp_path / f"{design.name}.v"
+    text, changed = re.subn(r"= \| settling;", "= 1'b0;", core.read_text())
+    assert changed == 1
+    core.write_text(text)
+    said = shell(command, tmp_path).stdout
+    assert re.match(r"FAIL: clock \d+, sample_ready: 0, expected 1", said), said
+
+
+def test_resets_fall_into_the_end_of_a_long_latency():
+    """Of 200 clocks 20 are near the end: all of them if there is room, else half of the resets."""
+    rng = random.Random(1)
+    assert _delays(rng, range(50), 50) == list(range(50))
+    for room, late in ((60, 20), (12, 6), (1, 1)):
+        delays = _delays(rng, range(200), room)
+        assert len(set(delays)) == room
+        assert sum(delay >= 180 for delay in delays) == late
+    for stages, room in ((20, 18), (12, 3)):
+        assert len(set(_delays(rng, range(stages), room))) == room
 
 
 def never_rail(m, *_):
