@@ -12,12 +12,16 @@ from sculler_model.design import Design
 from sculler_model.errors import InputError, ToolError
 from sculler_model.outputs import replacing
 from sculler_sim import processes
+from sculler_sim.bench_runs import LEAST, Least
 from sculler_sim.engines import cache
 from sculler_sim.engines.verilator_build import Tools
-from sculler_sim.testbench import LEAST, write_testbench
+from sculler_sim.testbench import write_testbench
 
 HANG = 120
 """Seconds after which a simulation is ended: the bench has a time-out of its own, far below."""
+
+LONG = Least((4, 5_000), (8, 40_000), 160, 5_000, 4_000_000)
+"""A hundred times what is handed out, a reset in each clock of the latency: what fails differs."""
 
 _VERILATOR = (
     "--binary --timing --output-split 0 -Wno-fatal -Wno-lint -Wno-style"
@@ -45,13 +49,16 @@ class Bench:
         return _line(self.folder, [*self.commands[simulator], f"+mutant={mutant}"])
 
 
-def write_bench(design: Design, texts: Mapping[str, str], folder: Path) -> list[Path]:
+def write_bench(
+    design: Design, texts: Mapping[str, str], folder: Path, least: Least = LEAST
+) -> list[Path]:
     """Write the bench and its vectors, as they are handed out.
 
     Args:
         design: the design.
         texts: core and models of blocks, by name of file; the core is NAME.v.
         folder: where.
+        least: how long it is, if it is not as handed out.
 
     Returns:
         The files.
@@ -60,7 +67,7 @@ def write_bench(design: Design, texts: Mapping[str, str], folder: Path) -> list[
     for cell in cells:
         (folder / cell).write_text(texts[cell], encoding="utf-8")
     names = [cell.removesuffix(".v") for cell in cells]
-    return write_testbench(design, folder, timing(design), names, LEAST)
+    return write_testbench(design, folder, timing(design), names, least)
 
 
 def build(design: Design, core: str, texts: Mapping[str, str], folder: Path) -> Bench:

@@ -36,7 +36,7 @@ RESULTS = Path("build/mutants")
     type=click.IntRange(0),
     default=60,
     show_default=True,
-    help="A survivor's proof, and as many to look for a difference; 0 for simulation alone.",
+    help="For the proof of a survivor; 0 for simulation alone.",
 )
 @click.option(
     "--write",

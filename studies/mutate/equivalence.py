@@ -39,7 +39,7 @@ def compare(design: Design, texts: Mapping[str, str], changes: Sequence[str], se
         design: the design.
         texts: core and models of blocks, by name of file; the core is NAME.v.
         changes: of the core (`Mutants.changes`).
-        seconds: for the proof, and as many to look for a difference.
+        seconds: for the proof.
 
     Returns:
         "equivalent", "differs after N clocks", or "open" with what is known.
@@ -54,7 +54,7 @@ def compare(design: Design, texts: Mapping[str, str], changes: Sequence[str], se
             to_gates = TO_GATES.replace("delete -output\n", "")  # these are compared
             run_yosys(folder, _GATES.format(cells=" ".join(cells), to_gates=to_gates))
             write_miter(read(folder / "core.aig"), "choice", folder / "both.aig")
-            outcome = prove(folder, "both", seconds)
+            outcome = prove(folder, "both", seconds, bounded=False)
         except ToolError as error:
             return "open: " + " ".join(str(error).split())[-120:]
     if outcome.verdict is Verdict.PROVED:

@@ -75,7 +75,7 @@ def with_unknown(core: str, changes: Sequence[str]) -> str:
         core: its text.
         changes: of the microprogram.
     """
-    places = [_place(change) for change in changes]
+    places = map(place, changes)
     return _in_program(core, [f"words_2[{word}][{bit}] = 1'bx;" for word, bit in places])
 
 
@@ -119,7 +119,8 @@ def of_program(change: str) -> bool:
     return change.startswith("microprogram")
 
 
-def _place(change: str) -> tuple[int, int]:
+def place(change: str) -> tuple[int, int]:
+    """Word and bit of a change of the microprogram."""
     word, bit = map(int, re.findall(r"\d+", change))
     return word, bit
 

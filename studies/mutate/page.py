@@ -18,6 +18,8 @@ GOAL = 99.5
 """Per cent of the mutants that are not equivalent, which the bench is to fail."""
 
 
+SAME = (EQUIVALENT, UNUSED)
+
 SECTIONS = {False: "Gates", True: "Microprogram"}
 """What is counted apart: changes that are not of the microprogram, and those that are."""
 
@@ -53,14 +55,21 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
         " power-up and for all inputs: it is *equivalent*, or it *differs*, and then the bench has"
         " a gap, or this is left *open*."
         + (
-            f" It had {seconds} s for a proof and as many for a difference."
+            f" It had {seconds} s for a proof."
             if seconds
             else " **Here it has not been tried yet**: all that live are open."
         )
-        + " Surviving bits of the microprogram are made unknown (x), all at once, in Icarus"
-        " Verilog: if no port shows x in the whole bench, they are *unused*. Each step of the"
-        " microprogram runs in every interval, whatever the numbers are; but this is no proof for"
-        " all inputs."
+        + " It *differs* too if the bench fails it once it is a hundred times as long."
+    )
+    yield ""
+    yield documents.paragraph(
+        "A bit of the microprogram that lives is *equivalent* where both programs, run on symbols"
+        " in place of numbers, give the same results in every major interval, by induction"
+        " (`studies/mutate/microprogram.py`). What nothing writes reads 0 there, as the memories"
+        " begin. Bits that belong to no step, as most of the start-up program's, are made unknown"
+        " (x), all at once, in Icarus Verilog: if no port shows x in the whole bench, they are"
+        " *unused*. Every word runs after each reset or in every interval, whatever the numbers"
+        " are; but this is no proof for all inputs."
     )
     yield ""
     yield documents.paragraph(
@@ -82,12 +91,13 @@ def results(found: Found) -> Iterator[str]:
         }
         if not parts:
             continue
-        rows = [(f"`{name}`", *_counts(part)) for name, part in parts.items()]
-        rows.append(("**all**", *_counts([each for part in parts.values() for each in part])))
-        same = "unused" if program else "equivalent"
-        headings = ("shape", "mutants", "killed", same, "differs", "open", "killed of the rest")
+        every = [each for part in parts.values() for each in part]
+        rows = [(f"`{name}`", *_counts(part, program)) for name, part in parts.items()]
+        rows.append(("**all**", *_counts(every, program)))
+        headings = ("shape", "mutants", "killed", "equivalent", *["unused"] * program)
+        headings += ("differs", "open", "killed of the rest")
         yield f"### {heading}"
-        yield from documents.table("lrrrrrr", headings, rows)
+        yield from documents.table("l" + "r" * (len(headings) - 1), headings, rows)
         yield ""
     yield documents.paragraph(
         "*Killed of the rest*: of all that are neither equivalent nor unused. Those left open count"
@@ -95,30 +105,31 @@ def results(found: Found) -> Iterator[str]:
     )
 
 
-def _counts(mutants: Sequence[Judged]) -> tuple[str, ...]:
+def _counts(mutants: Sequence[Judged], program: bool) -> tuple[str, ...]:
     killed = sum(mutant.killed for mutant in mutants)
     proofs = [mutant.proof for mutant in mutants if not mutant.killed]
-    same = sum(proof in (EQUIVALENT, UNUSED) for proof in proofs)
+    same, unused = (proofs.count(what) for what in (EQUIVALENT, UNUSED))
     differs = sum(proof.startswith("differs") for proof in proofs)
-    rest = len(mutants) - same
+    rest = len(mutants) - same - unused
     share = f"{100 * killed / rest:.1f} %" if rest else "-"
-    counts = (len(mutants), killed, same, differs, len(proofs) - same - differs)
+    alike = (same, unused) if program else (same,)
+    counts = (len(mutants), killed, *alike, differs, len(proofs) - same - unused - differs)
     return (*map(str, counts), share)
 
 
 def _survivors(found: Found) -> Iterator[str]:
-    """Those that are not unused bits of the microprogram, of which there are many."""
+    """Those that are no bits of the microprogram which do nothing, of which there are many."""
     yield "## Those that live"
     rows = [
         (f"`{name}`", f"`{_short(mutant.change)}`", mutant.proof or "open")
         for name, mutants in found.items()
         for mutant in mutants
-        if not mutant.killed and mutant.proof != UNUSED
+        if not (mutant.killed or (of_program(mutant.change) and mutant.proof in SAME))
     ]
     if rows:
         yield from documents.table("lll", ("shape", "change", "proof"), rows)
     else:
-        yield "None, but for unused bits of the microprogram."
+        yield "None, but for bits of the microprogram that are equivalent or unused."
 
 
 def _short(change: str) -> str:

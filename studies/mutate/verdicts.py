@@ -9,16 +9,21 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.outputs import replacing
 from sculler_sim.engines.verilator_build import emitted
-from studies.mutate.bench import Bench, build, icarus_says, write_bench
+from studies.mutate.bench import LONG, Bench, build, icarus_says, write_bench
 from studies.mutate.equivalence import EQUIVALENT, compare
-from studies.mutate.mutants import Mutants, mutants, of_program, with_unknown
+from studies.mutate.microprogram import NotFollowedError, same_results
+from studies.mutate.mutants import Mutants, mutants, of_program, place, with_unknown
 
 UNUSED = "unused"
 """Of a bit of the microprogram that may be unknown, with all the others of which this is said."""
+
+LONGER = "differs in a longer bench"
+"""Of a mutant that the bench fails if it is a hundred times as long."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +33,8 @@ class Judged:
     Attributes:
         change: what was changed.
         verilator, icarus: the bench's line in each simulator; Icarus runs what Verilator fails.
-        proof: of a survivor: "equivalent", "unused", "differs after N clocks" or "open ..."; empty
-            where it was not tried.
+        proof: of a survivor: "equivalent", "unused", "differs in a longer bench", "differs after
+            N clocks" or "open ..."; empty where it was not tried.
         tried: seconds that the proof was given.
     """
 
@@ -64,7 +69,7 @@ def judge(
         count: of mutants of the gates.
         seconds: for the proof of a survivor; 0 for none.
         path: of the file with what came out; what is there of this core and bench stays.
-        done: called after each mutant that has run, and each proof, which may be of several.
+        done: called after each mutant that has run, and each proof.
 
     Raises:
         InputError: a simulator or Yosys is not installed.
@@ -80,10 +85,11 @@ def judge(
             changed = mutants(design.name, texts, folder, count)
             bench = build(design, changed.verilog, texts, folder)
             found = list(_simulated(bench, changed, kept.proofs, done))
-            kept = replace(kept, mutants=_unused(design, texts, found, folder))
+            found = _unused(design, texts, found, folder)
+            kept = replace(kept, mutants=_longer(design, texts, changed, found))
             kept.write(path)
-    for changes, proof in _proofs(design, texts, kept.mutants, seconds):
-        kept.put(changes, proof, seconds)
+    for change, proof in _proofs(design, texts, kept.mutants, seconds):
+        kept.put(change, proof, seconds)
         kept.write(path)
         done()
     return kept.mutants
@@ -91,19 +97,23 @@ def judge(
 
 def _proofs(
     design: Design, texts: Mapping[str, str], found: Sequence[Judged], seconds: int
-) -> Iterator[tuple[list[str], str]]:
-    """What the model checker says of changed gates that live: of several, if all are equivalent."""
-    gates = (each for each in found if not of_program(each.change))
-    tried = [each.change for each in gates if not each.settled and seconds > each.tried]
-    groups = [tried] if tried else []
-    while groups:
-        group = groups.pop()
-        proof = compare(design, texts, group, seconds)
-        if len(group) == 1 or proof == EQUIVALENT:
-            yield group, proof
-        else:
-            half = len(group) // 2
-            groups += [group[half:], group[:half]]
+) -> Iterator[tuple[str, str]]:
+    """What is found out of changes that live: of the microprogram by symbols, else by a checker."""
+    for each in found:
+        if each.killed or each.proof == EQUIVALENT:
+            continue
+        if of_program(each.change):
+            if _same_program(design, each.change):
+                yield each.change, EQUIVALENT
+        elif not each.settled and seconds > each.tried:
+            yield each.change, compare(design, texts, [each.change], seconds)
+
+
+def _same_program(design: Design, change: str) -> bool:
+    try:
+        return same_results(plan_compact(design), *place(change))
+    except NotFollowedError:
+        return False
 
 
 @dataclass(frozen=True)
@@ -127,10 +137,10 @@ class _Kept:
         proofs = {each.change: (each.proof, each.tried) for each in judged if each.tried}
         return cls(core, bench, judged if found["bench"] == bench else [], proofs)
 
-    def put(self, changes: Sequence[str], proof: str, tried: int) -> None:
-        """What came of the proof of some mutants."""
+    def put(self, change: str, proof: str, tried: int) -> None:
+        """What came of the proof of a mutant."""
         for number, mutant in enumerate(self.mutants):
-            if mutant.change in changes:
+            if mutant.change == change:
                 self.mutants[number] = replace(mutant, proof=proof, tried=tried)
 
     def write(self, path: Path) -> None:
@@ -157,6 +167,23 @@ def _simulated(
         again = "" if said.startswith("PASS") else bench.run("icarus", number)
         yield Judged(change, said, again, *proofs.get(change, ("", 0)))
         done()
+
+
+def _longer(
+    design: Design, texts: Mapping[str, str], changed: Mutants, found: list[Judged]
+) -> list[Judged]:
+    """The same, in which survivors that a much longer bench fails in Verilator differ."""
+    if all(each.settled for each in found):
+        return found
+    with tempfile.TemporaryDirectory(prefix="sculler-mutate-") as work:
+        write_bench(design, texts, Path(work), LONG)
+        bench = build(design, changed.verilog, texts, Path(work))
+        return [
+            replace(each, proof=LONGER)
+            if not each.settled and not bench.run("verilator", number).startswith("PASS")
+            else each
+            for number, each in enumerate(found, start=1)
+        ]
 
 
 def _unused(
