@@ -43,6 +43,17 @@ def test_the_handshake_is_proved_for_ever(tmp_path):
     assert verdicts(SMALL, tmp_path, QUICK) == dict.fromkeys(QUICK, Verdict.PROVED)
 
 
+@pytest.mark.parametrize(("next_", "verdict"), [(2, Verdict.PROVED), (3, Verdict.REFUTED)])
+def test_what_becomes_a_constant_is_settled(next_, verdict, tmp_path):
+    """Two registers of one input, and whether they differ; in the other case one has it inverted.
+
+    Nodes 2: input; 4, 6: registers; 8 = 4 and not 6, 10 = 6 and not 4, 12 = neither of them.
+    """
+    text = b"aig 6 1 2 1 3\n2\n%d\n13\n\x01\x03\x04\x01\x01\x02" % next_
+    (tmp_path / "differ.aig").write_bytes(text)
+    assert prove(tmp_path, "differ", SECONDS).verdict is verdict
+
+
 @pytest.mark.deep
 @pytest.mark.parametrize(
     "name",
