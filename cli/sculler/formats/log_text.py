@@ -155,8 +155,7 @@ class _Layout:
         # more digits than any count has are enough to tell that it does not fit
         value = int(cell) if len(cell) <= 1000 else 10**1000
         if value not in self.allowed[column]:
-            shown = cell.decode().strip()[:40] if column in COUNTS else str(value)
-            raise does_not_fit(where, column, shown, self.allowed[column])
+            raise does_not_fit(where, column, cell.decode().strip()[:40], self.allowed[column])
         return value
 
     def scan(self, compiled: Kernels, block: bytes) -> Chunk | None:

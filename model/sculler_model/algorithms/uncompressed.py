@@ -62,7 +62,7 @@ def uncompress(
         inverse_power: series of 1/|F|² if the table is tuned to a filter F (see `true_term`).
 
     Raises:
-        InputError: n + p > 12, or the sums do not fit n and p.
+        InputError: n + p > 16, or the sums do not fit n and p.
     """
     points = samples + history
     if points > MAX_POINTS:
@@ -101,7 +101,7 @@ def uncompressed(samples: int, history: int) -> TapTable:
     """The frequency-taylor table, uncompressed (Savage-20 method 4).
 
     Raises:
-        InputError: n + p < 2 or n + p > 12.
+        InputError: n + p < 2 or n + p > 16.
     """
     if samples + history < 2:
         raise InputError(
