@@ -150,6 +150,101 @@ FAULTS = {
 }
 
 
+LIMITS = {
+    "time_s": (
+        ["1000000000000", "-1e12", "999999999999.9999"],
+        ["1000000000001", "-1.00000001e12"],
+    ),
+    "time_s of many digits": ([f" 0.{'1' * 997}"], [f" 0.{'1' * 998}"]),
+    "sequence": ([str(10**18), str(-(10**18))], [str(10**18 + 1), str(-(10**18) - 1)]),
+    "fault": (["0", "1", f"{'0' * 1200}1"[-1000:]], ["-1", "2", "0" * 1001]),
+}
+
+
+@pytest.mark.parametrize("case", LIMITS)
+def test_a_limit_is_read_and_what_is_beyond_is_refused(
+    tmp_path: Path, small: Design, case: str
+) -> None:
+    """As text and as numbers of a binary file; the message is a line that can be read."""
+    column = case.split()[0]
+    inside, outside = LIMITS[case]
+    for cell in inside + outside:
+        path = text(tmp_path, f"{HEADER},{column}\n{ROW},{cell}\n")
+        paths = [path]
+        if len(cell) < 25:
+            paths.append(tmp_path / "log.npz")
+            number = np.array([float(cell) if column == "time_s" else int(cell)])
+            names = zip(HEADER.split(","), ROW.split(","), strict=True)
+            np.savez(
+                paths[1], **{name: np.array([int(c)]) for name, c in names}, **{column: number}
+            )
+        for path in paths:
+            if cell in inside:
+                chunk = whole(list(read_log(path, small)))
+                found = {"time_s": chunk.times, "sequence": chunk.sequence, "fault": chunk.faults}
+                assert found[column] == [float(cell) if column == "time_s" else int(cell)]
+            else:
+                with pytest.raises(InputError, match=f"{column} ") as fault:
+                    read(path, small)
+                assert len(str(fault.value)) < len(str(path)) + 150
+
+
+def laid_out(
+    path: Path, columns: dict[str, list[str]], order: list[str], rng: np.random.Generator
+) -> None:
+    """A log of these cells, its columns in an order; some cells as people write them, too."""
+    rows = [order, *(list(row) for row in zip(*(columns[name] for name in order), strict=True))]
+    if rng.random() < 0.5:  # no longer plain: the slow path
+        for row in rows[1:]:
+            at = int(rng.integers(len(row)))
+            row[at] = f" {row[at]} "
+    path.write_text("\n".join(",".join(row) for row in rows) + "\n")
+
+
+def of_three(design: Design) -> Design:
+    """The same for three units."""
+    data = design.model_dump(mode="json", exclude_none=True)
+    return Design.parse(data | {"hardware": {"core": "compact", "channels": 3}})
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_columns_of_any_layout_come_back(tmp_path: Path, small: Design, seed: int) -> None:
+    """Any of the optional columns, in any order, of one unit and of three."""
+    rng = np.random.default_rng(seed)
+    channels = 3 if seed % 3 == 0 else 1
+    rows = 7
+    gyro, accel = small.words.gyro, small.words.accel
+    counts = np.column_stack([rng.integers(w.lo, w.hi + 1, (rows, 3)) for w in (gyro, accel)])
+    counts[0], counts[1] = [gyro.lo] * 3 + [accel.lo] * 3, [gyro.hi] * 3 + [accel.hi] * 3
+    marks = rng.integers(0, 2, (2, rows))
+    more = {
+        "fault": marks[0].tolist(),
+        "time_s": (rng.uniform(-1, 1, rows) * 10.0 ** rng.integers(-3, 12, rows)).tolist(),
+    }
+    more |= (
+        {"channel": rng.integers(0, 3, rows).tolist(), "restart": marks[1].tolist()}
+        if channels == 3
+        else {"sequence": rng.integers(-(10**18), 10**18 + 1, rows).tolist()}
+    )
+    kept = [name for name in more if name == "channel" or rng.random() < 0.6]
+    values = dict(zip(HEADER.split(","), counts.T.tolist(), strict=True))
+    values |= {name: more[name] for name in kept}
+    order = list(rng.permutation(list(values)))
+    cells = {name: [f"{value}" for value in column] for name, column in values.items()}
+    for at, time in enumerate(values.get("time_s", [])):
+        cells["time_s"][at] = f"{time:.6f}"
+        values["time_s"][at] = float(cells["time_s"][at])
+    path = tmp_path / "log.csv"
+    laid_out(path, cells, order, rng)
+    chunk = whole(list(read_log(path, of_three(small) if channels == 3 else small, channels=True)))
+    assert chunk.counts.tolist() == counts.tolist()
+    for name, found in zip(
+        ("fault", "time_s", "sequence", "channel", "restart"), chunk[1:], strict=True
+    ):
+        assert (found is None) == (name not in values), name
+        assert found is None or found.tolist() == values[name]
+
+
 @pytest.mark.parametrize("case", FAULTS)
 def test_faults_are_named(tmp_path: Path, small: Design, case: str) -> None:
     content, message = FAULTS[case]

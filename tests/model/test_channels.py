@@ -199,3 +199,120 @@ def test_ports_clock_by_clock_by_hand():
         assert {each.samples_lost for each in seen} == {0}
         model.clock(sample, 1, rst=1)  # nothing is taken in it
     assert model.ports() == Ports(0, 0, (0, 0, 0))
+
+
+Shown = tuple[int, int, int]
+"""A word, whether it is its result's last, and whose it is."""
+
+
+class ByEvents:
+    """What the ports show, worked out sample by sample from the contract, not clock by clock."""
+
+    def __init__(self, design: Design, timing: ChannelTiming, takes: list[bool]) -> None:
+        self.design, self.timing, self.takes = design, timing, takes
+        self.golden = ChannelModel(design)
+        self.seen = [0] * design.channels  # samples of each, since it began
+        self.valid: dict[int, Shown] = {}
+        self.lost: list[int] = []  # clocks from which losses are counted
+        self.free = self.ports_free = 0
+        self.whole: list[int] = []  # clock in which each result's last word was taken
+
+    def next_after(self, clock: int, sample: ChannelSample) -> int:
+        """The clock from which the sample after one that is taken in a clock can be taken."""
+        timing, channel = self.timing, sample.channel
+        if channel >= self.design.channels:
+            return clock + 3
+        if sample.restart:
+            self.seen[channel] = 0
+        number = self.seen[channel]
+        self.seen[channel] += 1
+        launch = clock + timing.lookup
+        if number == 0:
+            launch = max(launch, self.free) + timing.clearing
+        launch += timing.loading
+        result = self.golden.step(*sample)
+        work = timing.work[number % len(timing.work)]
+        if work:
+            launch = max(launch, self.free)
+            if result is not None and len(self.whole) >= timing.results:
+                launch = max(launch, self.whole[-timing.results] + 1)
+            self.free = launch + work
+        if result is not None:
+            self.hand_over(launch, channel, to_words(self.design, result.row()))
+        return launch + 2
+
+    def hand_over(self, launch: int, channel: int, words: list[int]) -> None:
+        timing = self.timing
+        clock = max(launch + timing.latency - timing.lookup - timing.loading, self.ports_free)
+        for i, word in enumerate(words):
+            last = int(i == len(words) - 1)
+            while clock < len(self.takes):
+                self.valid[clock] = (word, last, channel)
+                if self.takes[clock]:
+                    break
+                clock += 1
+            if last:
+                self.whole.append(clock)
+            clock += timing.handover_spacing
+        self.ports_free = clock
+
+    def run(self, offers: list[ChannelSample | None]) -> list[Ports]:
+        ready_from, refused = self.timing.startup, None
+        ready = []
+        for clock, offered in enumerate(offers):
+            ready.append(int(clock >= ready_from))
+            if refused is not None and offered is None:
+                self.lost.append(clock + 2)
+                if refused < self.design.channels:
+                    self.golden.lose(refused)
+            refused = None
+            if offered is not None and ready[-1]:
+                ready_from = self.next_after(clock, offered)
+            elif offered is not None:
+                refused = offered.channel
+        return [
+            Ports(
+                ready[clock],
+                int(clock in self.valid),
+                self.valid.get(clock, (0, 0, 0)),
+                sum(since <= clock for since in self.lost),
+            )
+            for clock in range(len(offers))
+        ]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_ports_are_those_of_the_contract(seed: int):
+    """Any timing, offers that come, wait and go, results that wait, and a reset."""
+    rng = np.random.default_rng(seed)
+    plain = DESIGNS["taylor_3p3" if seed % 3 else "smallest"]
+    design = many(plain, 3)
+    n = design.algorithm.samples
+    timing = ChannelTiming(
+        latency=int(rng.integers(8, 14)),
+        work=(*(rng.integers(1, 12, n - 1) * (rng.random(n - 1) < 0.8)).tolist(), 17),
+        startup=int(rng.integers(0, 5)),
+        handover_spacing=int(rng.integers(1, 4)),
+        results=int(rng.integers(1, 4)),
+        lookup=int(rng.integers(1, 4)),
+        loading=int(rng.integers(1, 4)),
+        clearing=int(rng.integers(0, 6)),
+    )
+    model, clocks = ChannelCycleModel(design, timing), 300
+    for _ in range(2):
+        given = iter(samples(design, clocks, seed, restarts=0.02))
+        offers: list[ChannelSample | None] = []
+        while len(offers) < clocks:
+            sample = next(given)
+            if rng.random() < 0.05:
+                sample = sample._replace(channel=3)
+            offers += [sample] * int(rng.integers(1, 9)) + [None] * int(rng.integers(0, 2))
+        offers = offers[:clocks]
+        takes = (rng.random(clocks) < rng.choice([0.2, 0.7, 1.0])).tolist()
+        found = [model.clock(*pair) for pair in zip(offers, takes, strict=True)]
+        expected = ByEvents(design, timing, takes).run(offers)
+        assert found == expected
+        assert any(each.samples_lost for each in found)
+        model.clock(next(given), 1, rst=1)
+    longest = timing.startup + timing.spacing + timing.latency + timing.handover_spacing
+    assert timing.longest_wait == longest + 2 * max(timing.work) + timing.clearing

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from math import pi, radians
 
 import numpy as np
@@ -233,3 +234,78 @@ def test_no_instant_is_compared_twice() -> None:
 def test_no_truth_at_all() -> None:
     with pytest.raises(InputError, match="fewer than two rows"):
         Comparison(iter(()), 0.01, "truth.csv")
+
+
+def random_blocks(history: NavHistory, rng: np.random.Generator, least: int) -> list[NavHistory]:
+    cuts, at = [0], 0
+    while at < len(history):
+        at = min(len(history), at + int(rng.integers(least, 40)))
+        cuts.append(at)
+    return [history.rows(slice(a, b)) for a, b in pairwise(cuts)]
+
+
+def wrong(truth: NavHistory) -> NavHistory:
+    """Off by known amounts: position (2t, -3, 4) m, velocity and attitude by constants."""
+    meridian, prime_vertical = radii(np.sin(truth.lat))
+    return replace(
+        truth,
+        q=turned(truth.q, (3e-5, -2e-5, 5e-5)),
+        v=truth.v + np.array([0.1, -0.2, 0.3]),
+        lat=truth.lat + 2.0 * (truth.time - truth.time[0]) / (meridian + truth.h),
+        lon=truth.lon - 3.0 / ((prime_vertical + truth.h) * np.cos(truth.lat)),
+        h=truth.h - 4.0,
+    )
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_any_run_against_any_truth(seed: int) -> None:
+    """Whatever the steps, the gap, the ends and the blocks: what a list of instants says."""
+    rng = np.random.default_rng(seed)
+    interval, step = 0.01, float(rng.choice([0.0025, 0.004, 0.01, 0.03, 0.05]))
+    run = 100 + interval * np.arange(int(rng.integers(150, 250)))
+    begin = float(rng.choice([99.5, 100.0, 100.003, 100.2]))
+    times = begin + step * np.arange(round(float(rng.uniform(1.2, 3)) / step))
+    if seed % 2:  # a gap in the truth
+        times = times[(times < 100.7) | (times > 100.7 + 6 * max(step, interval))]
+    if step >= interval:
+        compared_at = [t for t in times if run[0] - 1e-8 <= t <= run[-1] + 1e-8]
+        steps = np.diff(compared_at)
+        in_gaps = float(steps[steps > 3.5 * step].sum())
+        between = [t for t in compared_at if np.abs(run - t).min() > 1e-8]
+    else:
+        compared_at, between, in_gaps = [], [], 0.0
+        for t in run:
+            on_row = np.abs(times - t).min() <= 1e-8
+            before, after = times[times < t], times[times > t]
+            covered = len(before) and len(after) and after[0] - before[-1] <= 3.5 * step
+            if on_row or covered:
+                compared_at.append(t)
+                between += [] if on_row else [t]
+            elif len(before) and len(after):
+                in_gaps += interval
+    comparison = Comparison(iter(random_blocks(FLIGHT.state(times), rng, 1)), interval, "t.csv")
+    pairs = [comparison.add(part) for part in random_blocks(wrong(FLIGHT.state(run)), rng, 1)]
+    comparison.finish()
+    for side in (0, 1):
+        told = np.concatenate([pair[side].time for pair in pairs])
+        assert told == pytest.approx(compared_at, abs=2e-8)
+    assert (comparison.instants, comparison.interpolated) == (len(compared_at), len(between))
+    ends = (times[0] - run[0], run[-1] - times[-1], run[0] - times[0], times[-1] - run[-1])
+    assert comparison.left_out == pytest.approx([*(max(0, e) for e in ends), in_gaps], abs=1e-7)
+    t = np.array(compared_at) - 100
+    figures = comparison.figures()
+    for quantity, values in (
+        ("attitude", (3e-5, -2e-5, 5e-5)),
+        ("velocity", (0.1, -0.2, 0.3)),
+        ("position", (2 * t, -3.0, 4.0)),
+    ):
+        columns = [np.broadcast_to(value, t.shape) for value in values]
+        level = columns[:2] if quantity == "position" else columns
+        columns.append(np.sqrt(sum(column**2 for column in level)))
+        for name, column in zip(("north", "east", "down", "total"), columns, strict=True):
+            found = figures[quantity][name]
+            expected = (np.sqrt(np.mean(column**2)), np.abs(column).max(), column[-1])
+            near = {"attitude": 1e-6, "velocity": 2e-3, "position": 2e-3}[quantity]
+            assert (found.rms, found.largest, found.final) == pytest.approx(expected, abs=near)
+    horizontal = np.hypot(2 * t, 3.0)
+    assert comparison.growth == pytest.approx(float(t @ horizontal / (t @ t)), rel=1e-3)

@@ -94,6 +94,35 @@ def test_measured_is_joined_by_straight_lines() -> None:
         stage.power_series(4)
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_measured_is_numpys_interpolation(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = int(rng.integers(2, 6))
+    hertz = np.cumsum(rng.integers(1, 90, points)) - (1 if seed % 2 else 0)
+    if seed % 4 == 1:
+        hertz[0] = 0
+    gains, degrees = rng.integers(0, 20, points) / 16, rng.integers(-90, 1, points)
+    stage = Measured(*(rationals(*column.tolist()) for column in (hertz, gains, degrees)), Q(1000))
+    for at in [0.0, *hertz.tolist(), *rng.uniform(0, hertz[-1], 20)]:
+        phase = 2 * pi * at / 1000 * (1 - 1e-15)
+        gain, angle = (np.interp(at, hertz, column) for column in (gains, degrees))
+        expected = gain * np.exp(1j * np.radians(angle))
+        assert stage.value(phase) == pytest.approx(expected, rel=1e-9, abs=1e-9)
+        assert float(stage.power(Decimal(phase))) == pytest.approx(gain**2, rel=1e-9, abs=1e-9)
+    first = 1 if hertz[0] == 0 else 0
+    late = -degrees[first] / 360 / hertz[first]  # s
+    assert stage.delay == pytest.approx(1000 * late, rel=1e-12, abs=0)
+
+
+@pytest.mark.parametrize("name", stages())
+def test_the_delay_is_the_slope_of_the_phase(name: str) -> None:
+    """Against the filter's own value close to zero frequency."""
+    stage = stages()[name]
+    assert stage.delay == pytest.approx(-np.angle(stage.value(1e-5)) / 1e-5, rel=1e-6, abs=1e-9)
+    both = Response((stage, stages()["iir"]))
+    assert both.delay == stage.delay + stages()["iir"].delay
+
+
 def test_cascade_multiplies() -> None:
     parts = stages()
     both = Response((parts["sinc"], parts["iir"]))
