@@ -22,7 +22,7 @@ PAGE = documents.PAGES / "mutants-python.md"
     epilog=terminal.examples(
         "python -m studies.mutate_python",
         "python -m studies.mutate_python --only golden --count 40 --seed 7",
-        "python -m studies.mutate_python --again --write",
+        "python -m studies.mutate_python --draws 2 --again --write",
     )
 )
 @documents.results_option(
@@ -34,13 +34,26 @@ PAGE = documents.PAGES / "mutants-python.md"
     type=click.IntRange(1),
     default=15,
     show_default=True,
-    help="Mutants of each subject.",
+    help="Mutants of each subject in a draw.",
 )
-@click.option("--seed", default=1, show_default=True, help="Of the draw.")
+@click.option(
+    "--draws",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    help="How many; a later one draws from what the earlier ones left.",
+)
+@click.option("--seed", default=1, show_default=True, help="Of the draws.")
 @click.option("--again", is_flag=True, help="Run those again that lived and are not equivalent.")
 @click.option("--write", is_flag=True, help=f"Write {PAGE} from what came out.")
 def command(
-    folder: Path, names: tuple[str, ...], count: int, seed: int, again: bool, write: bool
+    folder: Path,
+    names: tuple[str, ...],
+    count: int,
+    draws: int,
+    seed: int,
+    again: bool,
+    write: bool,
 ) -> int:
     """Change the Python in one place at a time, and see whether its fast tests fail.
 
@@ -55,7 +68,7 @@ def command(
     with tempfile.TemporaryDirectory(prefix="sculler-mutants-") as work:
         copy = cache(lambda: runs.copy(Path(work)))
         for name in names or SUBJECTS:
-            with terminal.progress(name, count) as advance:
+            with terminal.progress(name, draws * count) as advance:
                 kept = folder / f"{name}.json"
                 found[name] = verdicts.sample(
                     SUBJECTS[name],
@@ -63,11 +76,12 @@ def command(
                     seed,
                     kept,
                     copy,
+                    draws=draws,
                     again=again,
                     done=partial(advance, 1),
                 )
     judged = verdicts.judgements()
     terminal.report({}, False, "\n".join(page.results(found, judged)))
     if write:
-        documents.write_page(PAGE, page.document(found, judged, count, seed))
+        documents.write_page(PAGE, page.document(found, judged, count, draws, seed))
     return int(bool(page.unjudged(found, judged)))

@@ -44,6 +44,9 @@ _CHAIN = (
 )
 """Tests that compile a simulator or fly what they read; and that need what Numba compiles."""
 
+_KERNEL = ("wide_5p0", "1p1-True")
+"""Cases that go through the fast model's kernel, which Python without Numba cannot run."""
+
 _HOURS = ("an_hour_of_flight",)
 """A test that needs Numba to end in a minute."""
 
@@ -81,8 +84,9 @@ SUBJECTS = {
             "catalogue balance band delay lattice least_squares response tuned uncompressed",
         ),
         (
-            *_tests("model/families", "families response fits design_keys manoeuvres"),
+            *_tests("model/families", "response fits families design_keys manoeuvres parabola"),
             *_tests("model", "compensation"),
+            *_tests("model/analysis", "behind_filters"),
         ),
         _TWIN,
     ),
@@ -91,12 +95,13 @@ SUBJECTS = {
             f"{_MODEL}/host",
             "compensation compiled increments known_errors next_orders scaling third_order",
         ),
-        _tests(
-            "model",
-            "host third_order_host calibration scaling_compiled whole_intervals compensation"
-            " higher_order",
+        (
+            *_tests("model", "host_series host third_order_host calibration scaling_compiled"),
+            *_tests("model", "whole_intervals velocity_orders high_resolution increments_of"),
+            *_tests("model", "compensation higher_order"),
+            *_tests("model/analysis", "manoeuvre"),
         ),
-        (*_TWIN, "kept_on_disk"),
+        (*_TWIN, *_KERNEL, "kept_on_disk"),
     ),
     "navigation": Subject(
         _sources(
@@ -105,8 +110,9 @@ SUBJECTS = {
             " gravity height navigator sensor_noise state stepping wander",
         ),
         (
-            *_tests("model", "exact gravity height_reference navigator wander alignment"),
-            *_tests("model", "alignment_sigmas fine_alignment velocity_orders"),
+            *_tests("model", "limits exact gravity height_reference navigator wander alignment"),
+            *_tests("model", "alignment_covariance alignment_sigmas fine_alignment"),
+            *_tests("model", "whole_intervals high_resolution"),
             *_tests("cli", "attitude_only"),
         ),
         _HOURS,
@@ -116,12 +122,12 @@ SUBJECTS = {
             *_sources(_FORMATS, "comparison"),
             *_sources(f"{_MODEL}/navigation", "comparison errors interpolation"),
         ),
-        (*_tests("model", "navigation_errors"), *_tests("cli", "binary_files")),
+        (*_tests("model", "navigation_errors"), *_tests("cli", "binary_files channels instants")),
         _CHAIN,
     ),
     "logs": Subject(
         _sources(_FORMATS, "log log_columns log_table log_text lines plain_rows"),
-        _tests("cli", "logs binary_files log_time"),
+        _tests("cli", "logs binary_files log_time channels compiled_text"),
         _CHAIN,
     ),
 }

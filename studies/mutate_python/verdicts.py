@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from importlib.resources import files
+from itertools import chain
 from pathlib import Path
 
 from sculler_model.outputs import replacing
@@ -69,11 +70,16 @@ class Sample:
 
     Attributes:
         places: how many there are to change.
-        verdicts: of the mutants that were drawn.
+        draws: the mutants of each draw; no place is in two.
     """
 
     places: int
-    verdicts: tuple[Verdict, ...]
+    draws: tuple[tuple[Verdict, ...], ...]
+
+    @property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """Of all draws."""
+        return tuple(chain.from_iterable(self.draws))
 
 
 Key = tuple[str, str, str]
@@ -101,6 +107,7 @@ def sample(
     kept: Path,
     copy: Callable[[], Path],
     *,
+    draws: int = 1,
     again: bool = False,
     done: Callable[[], None] = lambda: None,
 ) -> Sample:
@@ -108,11 +115,12 @@ def sample(
 
     Args:
         subject: the subject.
-        count: of mutants.
-        seed: of the draw.
+        count: of mutants in each draw.
+        seed: of the draws.
         kept: file of what came of mutants before, written after each.  It knows a mutant by the
             whole text of its source: a changed source is run anew.
         copy: gives the copy of the project, when something is to run.
+        draws: how many; a later one draws from what the earlier ones left.
         again: run those anew that lived and are not judged equivalent, with the test alone that is
             said to see them, if one is.
         done: called after each mutant.
@@ -121,7 +129,7 @@ def sample(
         InputError: the tests do not pass without a mutant.
     """
     sources = {path: (ROOT / path).read_text(encoding="utf-8") for path in subject.sources}
-    changes, places = drawn(sources, count, seed)
+    changes, places = drawn(sources, draws * count, seed)
     known, judged = _load(kept), judgements()
     limits: dict[Subject, int] = {}
     verdicts = []
@@ -138,7 +146,8 @@ def sample(
             _keep(kept, known)
         verdicts.append(known[key])
         done()
-    return Sample(places, tuple(verdicts))
+    parts = (verdicts[begin : begin + count] for begin in range(0, len(verdicts), count))
+    return Sample(places, tuple(map(tuple, parts)))
 
 
 def _asked(subject: Subject, said: Judgement | None) -> Subject | None:

@@ -125,7 +125,7 @@ def test_shares_leave_out_what_is_equivalent() -> None:
     """40 of 41 killed, two by a test written since, one equivalent: 38 of 40 before."""
     numbers = iter(range(41))
     killed = [verdict(True, next(numbers)) for _ in range(40)]
-    found = {"golden": Sample(300, (*killed, verdict(False, next(numbers))))}
+    found = {"golden": Sample(300, ((*killed, verdict(False, next(numbers))),))}
     said = {**judged("hole", 3, 5, test="model/test_a.py::test_c"), **judged("equivalent", 40)}
     # Clopper and Pearson for 38 of 40: R's binom.test(38, 40) gives 0.8308196 and 0.9938872
     row = "300 | 41 | 40 | 1 | 0 | 95.0 % (83.1 to 99.4) | 100.0 % |"
@@ -133,24 +133,37 @@ def test_shares_leave_out_what_is_equivalent() -> None:
     assert f"| `golden` | {row}" in lines
     assert f"| **all** | {row}" in lines
     assert page.unjudged(found, said) == []
-    text = page.document(found, said, 41, 1)
+    text = page.document(found, said, 41, 1, 1)
     assert "| `a/b.py` | `x = 1 \\| 2` | `x = 40` | Because. |" in text
     assert "`x = 3` | Because. Seen by `model/test_a.py::test_c`. |" in text
     assert "### Alive" not in text
 
 
+def test_a_later_draw_has_its_own_table() -> None:
+    """4 of 4 in the first of `cycles`; 2 of 3 when drawn in the second, one by a test since."""
+    first = tuple(verdict(True, number) for number in range(4))
+    second = tuple(verdict(True, number) for number in range(4, 7))
+    found = {"cycles": Sample(9, (first, second)), "golden": Sample(5, (first,))}
+    lines = list(page.results(found, judged("hole", 5, test="model/test_a.py::test_c")))
+    begin = lines.index("### Second draw")
+    # Clopper and Pearson for 2 of 3: R's binom.test(2, 3) gives 0.09429932 and 0.99159627
+    assert "| `cycles` | 9 | 3 | 3 | 0 | 0 | 66.7 % (9.4 to 99.2) | 100.0 % |" in lines[begin:]
+    assert not any("`golden`" in line for line in lines[begin:])
+    assert "| `golden` | 5 | 4 | 4 | 0 | 0 | 100.0 % (39.8 to 100.0) | 100.0 % |" in lines[:begin]
+
+
 def test_a_hole_without_a_test_and_what_nobody_judged_are_alive() -> None:
-    found = {"golden": Sample(9, (verdict(False, 1), verdict(False, 2)))}
+    found = {"golden": Sample(9, ((verdict(False, 1), verdict(False, 2)),))}
     said = judged("hole", 2)
     assert page.unjudged(found, said) == list(found["golden"].verdicts)
     assert "9 | 2 | 0 | 0 | 2 | 0.0 % (0.0 to 84.2) | 0.0 % |" in "\n".join(
         page.results(found, said)
     )
-    assert "`x = 1` | not judged yet |" in page.document(found, said, 2, 1)
+    assert "`x = 1` | not judged yet |" in page.document(found, said, 2, 1, 1)
 
 
 def test_a_mutant_that_is_killed_is_not_equivalent() -> None:
-    found = {"golden": Sample(9, (verdict(True, 1),))}
+    found = {"golden": Sample(9, ((verdict(True, 1),),))}
     with pytest.raises(InputError, match=r"^a/b.py: x = 1: judged equivalent, and killed$"):
         list(page.results(found, judged("equivalent", 1)))
 
@@ -182,6 +195,10 @@ def test_what_is_known_is_not_run_again(tmp_path: Path, monkeypatch: pytest.Monk
     assert all(each.killed for each in sample(3, again=True).verdicts)
     assert tried[4:] == tried[:1]
     assert len(json.loads(kept.read_text())) == 4
+    two = verdicts.sample(subject, 2, 1, kept, lambda: tmp_path, draws=2)
+    assert [len(draw) for draw in two.draws] == [2, 2]
+    assert two.verdicts == sample(4).verdicts
+    assert len(tried) == 5
 
 
 def test_what_is_judged_equivalent_is_not_run_again(
