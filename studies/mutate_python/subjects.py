@@ -47,6 +47,9 @@ _CHAIN = (
 _KERNEL = ("wide_5p0", "1p1-True")
 """Cases that go through the fast model's kernel, which Python without Numba cannot run."""
 
+_LOOPS = ("floats_are", "any_vectors", "any_foreign", "states_and_truths")
+"""Tests of the loops over text that are not about logs: in Python they take minutes."""
+
 _HOURS = ("an_hour_of_flight",)
 """A test that needs Numba to end in a minute."""
 
@@ -128,6 +131,6 @@ SUBJECTS = {
     "logs": Subject(
         _sources(_FORMATS, "log log_columns log_table log_text lines plain_rows"),
         _tests("cli", "logs binary_files log_time channels compiled_text"),
-        _CHAIN,
+        (*_CHAIN, *_LOOPS),
     ),
 }
