@@ -1,8 +1,9 @@
-"""A property proved for ever, refuted, or held for so many clocks, by ABC's `pdr`."""
+"""A property proved for ever, refuted, or held for so many clocks, by ABC."""
 
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -36,6 +37,12 @@ class Outcome:
 
 _CONFLICTS = 300_000
 """After which a solver gives up an output that it neither proves nor refutes; a minute or so."""
+
+_FEW_LATCHES = 110
+"""So few that all states that can be reached may be gathered (`reach`)."""
+
+_REACH = "-B 1000000 -F 100000"
+"""Nodes of a decision diagram, and clocks, after which that is given up."""
 
 # Yosys runs ABC on logic that it extracts; here it is a gate, and ABC reads a file of its own
 _SCRIPT = """
@@ -79,7 +86,12 @@ def prove(folder: Path, name: str, seconds: int, *, bounded: bool = True) -> Out
         raise ToolError(YOSYS, "ABC wrote no circuit")
     if _outputs(folder / f"{small}.aig") == [0]:  # `pdr` says nothing of a constant
         return Outcome(Verdict.PROVED, 0, time.monotonic() - begun)
-    verdict, clocks = _run(folder, small, f"pdr -T {seconds}")
+    verdict, clocks = Verdict.OPEN, 0
+    if _latches(folder / f"{small}.aig") <= _FEW_LATCHES:
+        with suppress(ToolError):  # it may run out of memory
+            verdict, clocks = _run(folder, small, f"reach -T {min(seconds, 10)} {_REACH}")
+    if verdict is Verdict.OPEN:
+        verdict, clocks = _run(folder, small, f"pdr -T {seconds}")
     if bounded and verdict is Verdict.OPEN:
         verdict, longer = _run(folder, small, f"bmc3 -T {seconds}")
         clocks = longer if verdict is Verdict.REFUTED else max(clocks, longer)
@@ -127,6 +139,11 @@ def _outputs(path: Path) -> list[int]:
         for _ in range(int(latches)):
             file.readline()
         return [int(file.readline()) for _ in range(int(outputs))]
+
+
+def _latches(path: Path) -> int:
+    with path.open("rb") as file:
+        return int(file.readline().split()[3])  # aig M I L O A
 
 
 def _run(folder: Path, name: str, command: str) -> tuple[Verdict, int]:
