@@ -100,6 +100,32 @@ def test_samples_that_do_not_fit() -> None:
         assert (speed.samples_per_second, speed.fits) == (500_000.0, fits)
 
 
+@pytest.mark.parametrize(
+    ("hardware", "marks"),
+    [
+        ({"core": "compact", "channels": 16}, "channels"),
+        ({"hardening": "detect", "clock_enable": True}, "hardening detect, a clock enable"),
+        ({"handover": "stream", "multipliers": 20}, "limited multipliers, a stream"),
+    ],
+)
+def test_a_rate_is_that_of_all_the_hardware_that_is_asked_for(
+    hardware: dict[str, Any], marks: str
+) -> None:
+    """No plain core's rate where no such core was placed."""
+    base = Design.parse({"preset": "stim300", "hardware": {"target": "ecp5"} | hardware})
+    (speed,) = speeds(Design.preset("stim300"), base)
+    assert (speed.rate.mhz, speed.fits) == (None, None)
+    assert f", {marks}; ecp5)" in speed.rate.basis
+
+
+def test_samples_of_all_channels_have_to_fit() -> None:
+    """16 units at 2 kHz: 32,000 samples a second, at 50 MHz 1562.5 clocks each."""
+    data = {"preset": "stim300", "sensor": {"sample_rate_hz": 2000.0}}
+    design = Design.parse(data | {"hardware": {"core": "compact", "channels": 16}})
+    for clocks, fits in ((1562.5, True), (1562.6, False)):
+        assert Speed(design, clocks, ExpectedRate(50.0, "made up")).fits == fits
+
+
 def test_multipliers_that_are_too_few_are_told() -> None:
     data = {"preset": "stim300", "hardware": {"target": "ecp5", "multipliers": 1}}
     base = Design.parse(data)

@@ -75,8 +75,8 @@ def command(
     analyze vibration); under coning it includes the triple products.  --nmi-per-hour prints a
     navigator's budget, and asks for what it leaves the algorithm; without DESIGN that is all.  Of
     the cheapest it tells the clock rate to count on, from designs that were placed and routed, and
-    whether the sensor's samples fit: in DESIGN's core and target, or in each that was placed.  Exit
-    status 1 if nothing meets the requirement.
+    whether the sensor's samples fit: with DESIGN's hardware, or in each core and target that was
+    placed if its target is generic.  Exit status 1 if nothing meets the requirement.
     """
     navigator = advice.budget(asked)
     if design_name is None:

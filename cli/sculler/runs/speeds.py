@@ -34,9 +34,10 @@ class Speed:
 
     @property
     def fits(self) -> bool | None:
-        """Whether it takes the sensor's samples; None where there is no rate."""
+        """Whether it takes the samples of all its sensors; None where there is no rate."""
         taken = self.samples_per_second
-        return None if taken is None else taken >= self.design.sensor.sample_rate_hz
+        asked = self.design.channels * self.design.sensor.sample_rate_hz
+        return None if taken is None else taken >= asked
 
     def as_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -54,27 +55,28 @@ class Speed:
 
 
 def speeds(design: Design, base: Design) -> list[Speed]:
-    """The design with the core and target of `base`, or with each that was placed.
+    """The design with the hardware of `base`, or with each core and target that was placed.
 
     Args:
         design: the design.
-        base: whose core, target and multipliers, where its target is not "generic".
+        base: whose hardware, where its target is not "generic".
     """
-    hardware = base.hardware
-    if hardware.target != "generic":
-        chosen: dict[str, Any] = {"core": hardware.core, "target": hardware.target}
-        if hardware.multipliers is not None:
-            chosen["multipliers"] = hardware.multipliers
-        return [_speed(design, chosen)]
+    if base.hardware.target != "generic":
+        return [_speed(design, base.as_json()["hardware"])]
     kinds = [one.kind for one in placed_designs() if not one.tuned]
     pairs = dict.fromkeys((kind.core, kind.target) for kind in kinds)
     return [_speed(design, {"core": core, "target": target}) for core, target in pairs]
 
 
 def _speed(design: Design, hardware: dict[str, Any]) -> Speed:
-    made = Design.parse(design.as_json() | {"hardware": hardware})
+    plain = {key: hardware[key] for key in ("core", "target")}
     try:
+        made = _with(design, hardware)
         clocks = clocks_per_major(made, timing(made))
-    except InputError as error:  # multipliers are too few
-        return Speed(made, None, ExpectedRate(None, str(error)))
+    except InputError as error:  # multipliers are too few, or this hardware is not built for it
+        return Speed(_with(design, plain), None, ExpectedRate(None, str(error)))
     return Speed(made, clocks / made.samples_per_major, expected_rate(made))
+
+
+def _with(design: Design, hardware: dict[str, Any]) -> Design:
+    return Design.parse(design.as_json() | {"hardware": hardware})
