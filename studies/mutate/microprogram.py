@@ -3,7 +3,8 @@
 Both programs run step by step on symbols in place of numbers.  A sum is a number and products of
 symbols; a digit of a sum is a symbol of its own.  What is the same expression has the same symbol,
 and a product with 0 is gone, whatever the other factor is.  So results with the same symbols are
-equal for all samples.
+equal for all samples.  What is not known may be anything: the sum that a phase begins with, a word
+that nobody has written, an address where there is no word.
 
 It begins as after a reset.  Then comes one major interval that stands for all later ones: each word
 of a memory is a symbol, the same in both programs if it was equal before.  If it ends with a word
@@ -215,7 +216,7 @@ class Machine:
     def _phase(
         self, program: Sequence[Step], conditions: Mapping[When, Value], now: int, bank: str
     ) -> None:
-        total = Sum()
+        total = Sum().plus([self.symbols.new()], 1)
         late: list[tuple[int, str, int, Value]] = []
         for number, step in enumerate(program):
             while late and late[0][0] <= number:
@@ -270,7 +271,7 @@ class Machine:
         if (found := self.memory.get((name, address))) is not None:
             return found
         begun = self.plan.design.has_initial_values and (name, address) not in self.written
-        return 0 if begun else self.symbols.new()
+        return 0 if begun and address < self._words(name) else self.symbols.new()
 
     def _right(self, step: Step, now: int) -> Value:
         if not step.sample:
@@ -285,10 +286,13 @@ class Machine:
             return 0
         return self.samples.get((at, index), self.symbols.of("sample", at, index))
 
-    def _in_range(self, name: str, address: int) -> None:
+    def _words(self, name: str) -> int:
         program = self.plan.program
         words = {"left": len(program.left.names), "right": len(program.right.names)}
-        if address >= words.get(name, words_per_result(self.plan.design)):
+        return words.get(name, words_per_result(self.plan.design))
+
+    def _in_range(self, name: str, address: int) -> None:
+        if address >= self._words(name):
             raise NotFollowedError("a word that is stored where there is none")
 
 

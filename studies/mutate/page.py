@@ -61,11 +61,12 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
     yield documents.paragraph(
         "A bit of the microprogram that lives is *equivalent* where both programs, run on symbols"
         " in place of numbers, give the same results in every major interval, by induction"
-        " (`studies/mutate/microprogram.py`). What nothing writes reads 0 there, as the memories"
-        " begin. Bits that belong to no step, as most of the start-up program's, are made unknown"
-        " (x), all at once, in Icarus Verilog: if no port shows x in the whole bench, they are"
-        " *unused*. Every word runs after each reset or in every interval, whatever the numbers"
-        " are; but this is no proof for all inputs."
+        " (`studies/mutate/microprogram.py`). A word that nothing writes reads 0 there, as the"
+        " memories begin; where there is no word anything may be read. Bits of which that does not"
+        " decide, as most of the start-up program's, are made unknown (x), all at once, in Icarus"
+        " Verilog: if no port shows x in the whole bench, they are *unused*. Every word runs after"
+        " each reset or in every interval, whatever the numbers are; but this is no proof for all"
+        " inputs."
     )
     yield ""
     yield documents.paragraph(
@@ -79,8 +80,9 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
 def _given(found: Found) -> str:
     """What time the model checker had."""
     every = [each for mutants in found.values() for each in mutants if not each.killed]
-    tried = {each.tried for each in every if not of_program(each.change)} - {0}
-    waiting = sum(not each.settled and not each.tried for each in every)
+    gates = [each for each in every if not of_program(each.change)]
+    tried = {each.tried for each in gates} - {0}
+    waiting = sum(not each.settled and not each.tried for each in gates)
     given = f" It had {' or '.join(map(str, sorted(tried)))} s for a proof." if tried else ""
     return given + (f" **{waiting} have not been tried yet.**" if waiting else "")
 

@@ -84,7 +84,7 @@ def judge(
         if not kept.mutants:
             changed = mutants(design.name, texts, folder, count)
             bench = build(design, changed.verilog, texts, folder)
-            found = list(_simulated(bench, changed, kept.proofs, done))
+            found = _followed(design, list(_simulated(bench, changed, kept.proofs, done)))
             found = _unused(design, texts, found, folder)
             kept = replace(kept, mutants=_longer(design, texts, changed, found))
             kept.write(path)
@@ -98,22 +98,10 @@ def judge(
 def _proofs(
     design: Design, texts: Mapping[str, str], found: Sequence[Judged], seconds: int
 ) -> Iterator[tuple[str, str]]:
-    """What is found out of changes that live: of the microprogram by symbols, else by a checker."""
+    """What the model checker says of changed gates that live."""
     for each in found:
-        if each.killed or each.proof == EQUIVALENT:
-            continue
-        if of_program(each.change):
-            if _same_program(design, each.change):
-                yield each.change, EQUIVALENT
-        elif not each.settled and seconds > each.tried:
+        if not (each.settled or of_program(each.change)) and seconds > each.tried:
             yield each.change, compare(design, texts, [each.change], seconds)
-
-
-def _same_program(design: Design, change: str) -> bool:
-    try:
-        return same_results(plan_compact(design), *place(change))
-    except NotFollowedError:
-        return False
 
 
 @dataclass(frozen=True)
@@ -169,6 +157,23 @@ def _simulated(
         done()
 
 
+def _followed(design: Design, found: list[Judged]) -> list[Judged]:
+    """The same, in which bits of the microprogram that change nothing on symbols are equivalent."""
+    return [
+        replace(each, proof=EQUIVALENT)
+        if of_program(each.change) and not each.killed and _same_program(design, each.change)
+        else each
+        for each in found
+    ]
+
+
+def _same_program(design: Design, change: str) -> bool:
+    try:
+        return same_results(plan_compact(design), *place(change))
+    except NotFollowedError:
+        return False
+
+
 def _longer(
     design: Design, texts: Mapping[str, str], changed: Mutants, found: list[Judged]
 ) -> list[Judged]:
@@ -189,17 +194,14 @@ def _longer(
 def _unused(
     design: Design, texts: Mapping[str, str], found: list[Judged], folder: Path
 ) -> list[Judged]:
-    """The same, in which surviving bits of the microprogram that can all be unknown are unused.
+    """The same, in which bits of the microprogram that are open and can all be unknown are unused.
 
     They are x, all at once: then no port ever shows x in Icarus Verilog.  If one does, halves are
     tried, and so on.
     """
-    survivors = [each.change for each in found if of_program(each.change) and not each.killed]
-    shown = set(_without_effect(design, texts, survivors, folder))
-    return [
-        replace(each, proof=UNUSED) if not each.killed and each.change in shown else each
-        for each in found
-    ]
+    open_ = [each.change for each in found if of_program(each.change) and not each.settled]
+    shown = set(_without_effect(design, texts, open_, folder))
+    return [replace(each, proof=UNUSED) if each.change in shown else each for each in found]
 
 
 def _without_effect(

@@ -8,9 +8,10 @@ import pytest
 
 from sculler_sim.engines.verilator_build import emitted
 from sculler_sim.prove.shapes import SHAPES
+from studies.mutate import equivalence, verdicts
 from studies.mutate import mutants as module
-from studies.mutate import verdicts
 from studies.mutate.equivalence import compare
+from studies.mutate.microprogram import NotFollowedError
 from studies.mutate.miter import Circuit, read, write_miter
 from studies.mutate.page import results
 from studies.mutate.verdicts import Judged, judge
@@ -83,6 +84,49 @@ def test_bits_without_effect_are_found_by_halves(monkeypatch, tmp_path) -> None:
     good = verdicts._without_effect(shape, texts, changes, tmp_path)
     assert sorted(good) == changes[:2] + changes[3:7]
     assert len(asked) < 14
+
+
+def test_bits_are_followed_on_symbols_first_and_unknown_only_where_that_says_nothing(
+    monkeypatch, tmp_path
+) -> None:
+    """The first is the same, the second differs, the third is of no step; the last is killed."""
+    changes = [f"microprogram word {word} bit 0" for word in range(4)]
+    said = iter([True, False, NotFollowedError()])
+
+    def same(plan, word, bit):
+        if isinstance(answer := next(said), Exception):
+            raise answer
+        return answer
+
+    asked = []
+    monkeypatch.setattr(verdicts, "same_results", same)
+    monkeypatch.setattr(verdicts, "with_unknown", lambda core, changes: asked.append(changes))
+    monkeypatch.setattr(verdicts, "icarus_says", lambda *_: PASS)
+    shape = SHAPES["compact_one"]
+    found = [Judged(each, PASS) for each in changes[:3]] + [Judged(changes[3], FAIL, FAIL)]
+    found = verdicts._followed(shape, found)
+    assert [each.proof for each in found] == ["equivalent", "", "", ""]
+    found = verdicts._unused(shape, {"compact_one.v": ""}, found, tmp_path)
+    assert [each.proof for each in found] == ["equivalent", "unused", "unused", ""]
+    assert asked == [changes[1:3]]
+
+
+@pytest.mark.deep
+def test_products_are_free_only_where_no_factor_depends_on_the_change(tmp_path) -> None:
+    """A fault's mark meets no product, so none is left; that a sample is there meets them all."""
+    shape = SHAPES["one_minor"]
+    sizes = []
+    for port in ("sample_fault", "sample_valid"):
+        folder = tmp_path / port
+        folder.mkdir()
+        change = f"mutate -mode inv -module one_minor -cell sequencer -port {port} -portbit 0"
+        text = module.changed(shape.name, emitted(shape), folder, [change])
+        (folder / "changed.v").write_text(text)
+        (folder / "top.v").write_text(equivalence._asked(shape))
+        (folder / "free.v").write_text(equivalence._FREE)
+        equivalence._write_gates(folder, [])
+        sizes.append(len(read(folder / "core.aig").ands))
+    assert 2 * sizes[0] < sizes[1]
 
 
 @pytest.mark.deep

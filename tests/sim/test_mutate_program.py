@@ -100,6 +100,19 @@ def test_a_factor_of_nothing_may_be_anything_and_one_that_counts_may_not() -> No
     assert not same_results(plan, counts, bit_of(plan, "left"))
 
 
+def test_what_nobody_knows_is_not_taken_for_nothing() -> None:
+    """The sum before a phase's first step, and a word of the left memory behind its last one."""
+    plan = plan_compact(COMPACT["compact_one"])
+    (start,) = plan.microcode.starts.values()
+    first = start + plan.pipeline.accumulate  # word in which the first step's sum begins
+    assert not same_results(plan, first, bit_of(plan, "keep"))
+    assert len(plan.program.left.names) == 49
+    carry = word_of(plan, "alpha_y.1 = carry + 0 * 1")
+    assert plan.microcode.words[carry]["left"] == 40
+    assert not same_results(plan, carry, bit_of(plan, "left", 4))  # 56
+    assert same_results(plan, carry, bit_of(plan, "right", 2))  # a known 0 times anything
+
+
 def test_what_shows_in_a_later_interval_only_is_told() -> None:
     """A state that is not begun anew is the same 0 in the first major interval."""
     plan = plan_compact(COMPACT["compact_one"])
