@@ -12,7 +12,7 @@ from sculler import terminal
 from sculler_model.errors import InputError
 from sculler_model.outputs import make_folder
 from studies import documents
-from studies.mutate_python.subjects import SUBJECTS
+from studies.mutate_python.subjects import DRAWS, SUBJECTS
 
 RESULTS = Path("build/mutants-python")
 PAGE = documents.PAGES / "mutants-python.md"
@@ -38,7 +38,7 @@ PAGE = documents.PAGES / "mutants-python.md"
 )
 @click.option(
     "--draws",
-    type=click.IntRange(1),
+    type=click.IntRange(1, len(DRAWS)),
     default=1,
     show_default=True,
     help="How many; a later one draws from what the earlier ones left.",

@@ -10,7 +10,7 @@ from scipy.stats import binomtest
 from sculler_model.errors import InputError
 from studies import documents
 from studies.mutate_python.runs import CPU_FACTOR, CPU_MORE
-from studies.mutate_python.subjects import SUBJECTS
+from studies.mutate_python.subjects import DRAWS, SUBJECTS
 from studies.mutate_python.verdicts import Judgement, Judgements, Sample, Verdict, key_of
 
 Found = Mapping[str, Sample]
@@ -20,8 +20,6 @@ GOAL = 95
 """Per cent of the mutants that are not equivalent, which the tests are to kill."""
 
 CONFIDENCE = 0.95
-
-ORDINALS = ("First", "Second", "Third", "Fourth", "Fifth")
 
 
 def document(found: Found, judged: Judgements, count: int, draws: int, seed: int) -> str:
@@ -81,7 +79,7 @@ def results(found: Found, judged: Judgements) -> Iterator[str]:
     for draw in range(max(len(one.draws) for one in found.values())):
         if draw:
             yield ""
-        yield f"### {ORDINALS[draw]} draw"
+        yield f"### {DRAWS[draw]} draw"
         yield from _table(
             {n: one for n, one in found.items() if draw < len(one.draws)}, draw, judged
         )

@@ -44,6 +44,9 @@ _CHAIN = (
 )
 """Tests that compile a simulator or fly what they read; and that need what Numba compiles."""
 
+DRAWS = ("First", "Second", "Third", "Fourth", "Fifth")
+"""Names of the draws of mutants, on the page."""
+
 _KERNEL = ("wide_5p0", "1p1-True")
 """Cases that go through the fast model's kernel, which Python without Numba cannot run."""
 
