@@ -52,9 +52,11 @@ def _introduction(found: Found) -> Iterator[str]:
         " designs that between them have every structure of both cores. The properties are those of"
         " `NAME_properties.sv`, which `sculler generate` writes beside every core: a checker that"
         " works out from the inputs what each output has to show. Yosys makes gates of core and"
-        " checker; ABC's `pdr` (property directed reachability), which is inside Yosys, proves that"
-        " no state that can be reached breaks a property. Products are cut: they may be anything,"
-        " so the proofs hold whatever the numbers are."
+        " checker; ABC, which is inside Yosys, proves that no state that can be reached breaks a"
+        " property. It makes one of what is always equal (`scorr`), goes through all states where"
+        " registers are few (`reach`), and else takes `pdr` (property directed reachability)."
+        " Products are cut: they may be anything, so the proofs hold whatever the numbers are. What"
+        " fails so is tried with the products themselves: a compact core counts by them."
     )
     yield ""
     yield documents.paragraph(

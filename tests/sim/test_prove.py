@@ -9,6 +9,7 @@ import pytest
 from sculler.main import run_command
 from sculler_hdl import PROPERTIES, generate, properties
 from sculler_model.design import Interval
+from sculler_sim.prove import claims
 from sculler_sim.prove.arithmetic import narrowed, settle_arithmetic
 from sculler_sim.prove.claims import FEW_BITS, HANDSHAKE
 from sculler_sim.prove.counter import LABEL, write_counter_problem
@@ -41,6 +42,47 @@ def broken(verilog, pattern, replacement):
 
 def test_the_handshake_is_proved_for_ever(tmp_path):
     assert verdicts(SMALL, tmp_path, QUICK) == dict.fromkeys(QUICK, Verdict.PROVED)
+
+
+def test_what_fails_by_products_that_may_be_anything_is_tried_with_the_products(
+    monkeypatch, tmp_path
+):
+    """A refutation counts where the products are the core's own."""
+    cuts, verdict = [], Verdict.OPEN
+    monkeypatch.setattr(
+        claims, "write_problems", lambda *args, cut=True: cuts.append((args[2], cut))
+    )
+    monkeypatch.setattr(
+        claims,
+        "prove",
+        lambda folder, label, _: Outcome(
+            verdict
+            if cuts[-1][1] is False
+            else Verdict.REFUTED
+            if label == "major_as_due"
+            else Verdict.PROVED,
+            9,
+            0.0,
+        ),
+    )
+    design = SHAPES["compact_one"]
+    known = set(claims.claims_of(design)) - {"major_as_due", "ready_as_due"}
+    for verdict in (Verdict.OPEN, Verdict.REFUTED):
+        cuts.clear()
+        found = {k: v.verdict for k, v in claims.settle(design, tmp_path, 1, known, cheap=True)}
+        assert found == {"ready_as_due": Verdict.PROVED, "major_as_due": verdict}
+        assert cuts == [(["ready_as_due", "major_as_due"], True), (["major_as_due"], False)]
+
+
+@pytest.mark.deep
+def test_a_compact_core_is_not_called_wrong_for_products_that_it_does_not_have(tmp_path):
+    """Its status is a sum of products: with any products it fails at its first result."""
+    design = SHAPES["compact_one"]
+    known = set(claims.claims_of(design)) - {"short_as_due"}
+    write_problems(design, tmp_path, ["short_as_due"])
+    assert prove(tmp_path, "short_as_due", SECONDS).verdict is Verdict.REFUTED
+    ((_, outcome),) = claims.settle(design, tmp_path, 20, known)
+    assert outcome.verdict is not Verdict.REFUTED
 
 
 @pytest.mark.parametrize(("next_", "verdict"), [(2, Verdict.PROVED), (3, Verdict.REFUTED)])
