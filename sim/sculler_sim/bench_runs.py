@@ -11,10 +11,10 @@ they carry.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from itertools import cycle, islice, product
+from itertools import cycle, islice
 from typing import NamedTuple
 
 import numpy as np
@@ -231,13 +231,17 @@ def samples_of(design: Design, runs: Sequence[Run]) -> list[NDArray[np.int64]]:
 
 def _nearly(allowed: Sequence[Interval]) -> Iterator[list[int]]:
     """Six counts that differ from a rail by one bit: each bit below the sign, at either rail."""
-    widest = max(word.bits for word in allowed) - 1
-    for bit, at_low in cycle(product(range(widest), (True, False))):
-        steps = [1 << bit % (word.bits - 1) for word in allowed]
-        yield [
-            word.lo + step if at_low else word.hi - step
-            for word, step in zip(allowed, steps, strict=True)
+    places = [(word.lo, word.hi, word.bits - 1) for word in allowed]
+    return cycle(
+        [
+            [
+                lo + (1 << bit % below) if at_low else hi - (1 << bit % below)
+                for lo, hi, below in places
+            ]
+            for bit in range(max(below for _, _, below in places))
+            for at_low in (True, False)
         ]
+    )
 
 
 def _coins(seed: int, shape: tuple[int, ...]) -> NDArray[np.bool_]:
@@ -252,14 +256,26 @@ def _turn(interval: int, lows: list[int], highs: list[int]) -> tuple[list[int], 
 def _wild(rng: random.Random, allowed: Sequence[Interval], count: int) -> NDArray[np.int64]:
     """(count, 6) random counts: half of them full-scale, some in long runs."""
     rows: list[list[int]] = []
+    small, sixth = _below(rng, 7), _below(rng, 6)
+    anywhere = [(word.lo, word.hi, _below(rng, word.hi - word.lo + 1)) for word in allowed]
     while len(rows) < count:
         held = [rng.choice((word.lo, word.hi)) for word in allowed]  # drives sums to their ends
         for _ in range(rng.choice((1, 2, 3, 40))):
-            rows.append(
-                [
-                    rng.choice((end, end, word.lo, word.hi, rng.randint(-3, 3), uniform))
-                    for end, word in zip(held, allowed, strict=True)
-                    for uniform in [rng.randint(word.lo, word.hi)]
-                ]
-            )
+            row = []
+            for end, (lo, hi, uniform) in zip(held, anywhere, strict=True):
+                far, near = lo + uniform(), small() - 3
+                row.append((end, end, lo, hi, near, far)[sixth()])
+            rows.append(row)
     return np.array(rows[:count], np.int64)
+
+
+def _below(rng: random.Random, limit: int) -> Callable[[], int]:
+    """Whole numbers from 0 to below a limit, as `rng.randrange(limit)` has them."""
+    draw, bits = rng.getrandbits, limit.bit_length()
+
+    def one() -> int:
+        while (found := draw(bits)) >= limit:
+            pass
+        return found
+
+    return one

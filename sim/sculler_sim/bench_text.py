@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib import resources
+from itertools import accumulate
 from string import Template
 
 from sculler_hdl import Port
@@ -30,15 +31,14 @@ def fill(template: str, values: Mapping[str, object]) -> str:
 
 def packed_hex(rows: Iterable[Iterable[int]], ports: Sequence[Port]) -> str:
     """One packed word a line for $readmemh, the first port in the lowest bits."""
-    digits = -(-sum(port.bits for port in ports) // 4)
-    lines = []
-    for row in rows:
-        word = shift = 0
-        for value, port in zip(row, ports, strict=True):
-            word |= (value & ((1 << port.bits) - 1)) << shift
-            shift += port.bits
-        lines.append(f"{word:0{digits}x}\n")
-    return "".join(lines)
+    lows = [0, *accumulate(port.bits for port in ports)]
+    digits = -(-lows.pop() // 4)
+    fields = [((1 << port.bits) - 1, low) for port, low in zip(ports, lows, strict=True)]
+    words = (
+        sum([(value & mask) << low for value, (mask, low) in zip(row, fields, strict=True)])
+        for row in rows
+    )
+    return "".join([f"{word:0{digits}x}\n" for word in words])
 
 
 def declarations(ports: list[Port]) -> Iterator[str]:

@@ -138,7 +138,7 @@ def _renamed(
     """A module with its wires and cells renamed, and its parts by the modules they share."""
 
     def changed(signal: str) -> str:
-        return renamed(signal, signals.__getitem__)
+        return signals.get(signal) or renamed(signal, signals.__getitem__)
 
     ports_first = sorted(module.wires.items(), key=lambda each: each[1].place or 1 << 30)
     wires = {signals[name]: replace(wire) for name, wire in ports_first}

@@ -23,7 +23,7 @@ _WIRE = re.compile(
     re.M,
 )
 _ALIAS = re.compile(r"^connect (?P<name>\S+) (?P<of>.+)$", re.M)
-_CELL = re.compile(r"^  cell (?P<kind>\S+) \S+\n.*?^  end$", re.M | re.S)
+_INSTANCE = re.compile(r"^  cell (?P<kind>\\\S+) \S+\n.*?^  end$", re.M | re.S)
 _CONNECTION = re.compile(r"^    connect (?P<port>\S+) (?P<signal>.+)\n", re.M)
 _LINE = re.compile(r"^(  cell .*|    parameter .*|    connect \S+ |)(.*)$", re.M)
 
@@ -58,17 +58,21 @@ def with_signature_names(text: str, members: Mapping[str, Set[str]]) -> str:
             module = _collected(module, whole, parts)
         return module
 
-    def in_cell(found: re.Match[str]) -> str:
+    def in_instance(found: re.Match[str]) -> str:
         made = changes.get(found["kind"])
         return found[0] if made is None else _connected(found[0], made)
 
-    return _CELL.sub(in_cell, _MODULE.sub(in_module, text))
+    return _INSTANCE.sub(in_instance, _MODULE.sub(in_module, text))
 
 
 def _changes(module: str, members: Set[str]) -> _Changes:
     wires = {wire["name"]: wire for wire in _WIRE.finditer(module)}
     widths = {name: int(wire["width"]) for name, wire in wires.items()}
-    aliases = [(found["name"], bits_in(found["of"], widths)) for found in _ALIAS.finditer(module)]
+    taken = {name for name, wire in wires.items() if wire["direction"]}
+    found_aliases = [(found["name"], found["of"]) for found in _ALIAS.finditer(module)]
+    if not any(name[1:] in members and name not in taken for name, _ in found_aliases):
+        return _Changes()
+    aliases = [(name, bits_in(of, widths)) for name, of in found_aliases]
     sources = {(name, bit): of for name, bits in aliases for bit, of in enumerate(bits)}
 
     def source(bit: Bit) -> Bit:
@@ -85,7 +89,6 @@ def _changes(module: str, members: Set[str]) -> _Changes:
     }
     made = _Changes()
     used: set[str] = set()  # ports that have got their place
-    taken = {name for name, wire in wires.items() if wire["direction"]}
     for name, bits in aliases:
         if name[1:] not in members or name in taken:
             continue
@@ -110,6 +113,8 @@ def _changes(module: str, members: Set[str]) -> _Changes:
 
 def _renamed(module: str, names: Mapping[str, str]) -> str:
     """A module with other names for its signals; cells, their ports and parameters keep theirs."""
+    if not names:
+        return module
 
     def line(found: re.Match[str]) -> str:
         return found[1] + renamed(found[2], lambda name: names.get(name, name))

@@ -100,7 +100,7 @@ class Module:
         names = {name for name, _ in changes}
 
         def changed(signal: str) -> str:
-            if names.isdisjoint(names_in(signal)):
+            if names.isdisjoint((signal,) if signal in before else names_in(signal)):
                 return signal
             return of_bits([changes.get(bit, bit) for bit in bits_in(signal, before)], after)
 
@@ -201,6 +201,8 @@ def pieces(signal: str, widths: Mapping[str, int]) -> list[Piece]:
         signal: wires, slices, constants, or a concatenation of them.
         widths: bits of the wires.
     """
+    if signal in widths:  # most are a whole wire
+        return [(signal, 0, widths[signal])]
     found: list[Piece] = []
     for name, high, low, size, constant, integer in reversed(_PIECE.findall(signal)):
         if not name:

@@ -44,10 +44,12 @@ def wrapped(text: str) -> str:
 
 
 def _parts(line: str) -> Iterator[str]:
+    if len(line) <= WIDEST:
+        yield line
+        return
     margin = re.match(r"(?:// ?)? *", line)
     indent = (margin[0] if margin else "") + "    "
-    if len(line) > WIDEST:
-        line = _WIDE_CONSTANT.sub(_pieces, line)
+    line = _WIDE_CONSTANT.sub(_pieces, line)
     while len(line) > WIDEST:
         end = max(line.rfind(mark, len(indent), WIDEST) + 1 for mark in (" ", "("))
         if end <= len(indent):
