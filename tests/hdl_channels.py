@@ -18,7 +18,7 @@ OWN = {
 
 
 def many(name: str, **hardware: object) -> Design:
-    return with_hardware((DESIGNS | OWN)[name], core="compact", **hardware)
+    return with_hardware((DESIGNS | OWN)[name], **{"core": "compact", **hardware})
 
 
 def drawn(design: Design, samples: int, seed: int) -> tuple[np.ndarray, ...]:

@@ -8,6 +8,7 @@ from sculler_hdl.compensated.core import CompensatedCore
 from sculler_hdl.hardened.compact import HardenedCompactCore
 from sculler_hdl.hardened.pipelined import HardenedPipelinedCore
 from sculler_hdl.pipelined.core import PipelinedCore
+from sculler_hdl.pipelined_channels.core import PipelinedChannelCore
 from sculler_model.design import Design
 
 Core = (
@@ -17,6 +18,7 @@ Core = (
     | HardenedPipelinedCore
     | CompensatedCore
     | ChannelCore
+    | PipelinedChannelCore
 )
 
 
@@ -33,6 +35,8 @@ def build_core(design: Design, *, primitive: bool = True) -> Core:
     """
     if design.compensation is not None:
         return CompensatedCore(design, primitive=primitive)
+    if design.channels > 1 and design.hardware.core == "pipelined":
+        return PipelinedChannelCore(design, primitive=primitive)
     if design.channels > 1:
         return ChannelCore(design, primitive=primitive)
     if design.hardware.hardening is not None:

@@ -1,9 +1,10 @@
 """The self-checking Verilog test bench of a core with many channels, with its golden vectors.
 
 As that of one channel (`testbench`) it needs no Python to run, and holds every port on every clock
-to the golden vectors and to the contract.  It has fewer goals: runs between resets whose samples
-come of few channels in random order, some of them restarts; stalls on both handshakes, offers that
-are withdrawn, and results that wait until samples are held up.
+to the golden vectors and to the contract.  That of the compact core and that of the pipelined one
+stand in files of their own, in parts that are put into the bench.  It has fewer goals: runs between
+resets whose samples come of few channels in random order, some of them restarts; stalls on both
+handshakes, offers that are withdrawn, and results that wait until samples are held up.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from sculler_model.fast import FastChannels
 from sculler_model.golden import (
     AFTER_LAUNCH,
     ChannelTiming,
+    PipelinedChannelTiming,
     clocks_per_major,
     to_words,
     words_per_column,
@@ -55,7 +57,10 @@ class ChannelRun(NamedTuple):
     drains: bool
 
 
-def channel_bench(design: Design, timing: ChannelTiming, cells: Collection[str]) -> dict[str, str]:
+AnyTiming = ChannelTiming | PipelinedChannelTiming
+
+
+def channel_bench(design: Design, timing: AnyTiming, cells: Collection[str]) -> dict[str, str]:
     """The test bench's files, text by name; see `testbench.write_testbench`."""
     runs = list(_runs(design, timing))
     golden = [_expected(design, run.rows) for run in runs]
@@ -75,13 +80,7 @@ def channel_bench(design: Design, timing: ChannelTiming, cells: Collection[str])
         "channels": design.channels,
         "active": len({row[-2] for run in runs for row in run.rows}),
         "per_major": design.samples_per_major,
-        "phases": design.algorithm.samples,
         "parts": parts,
-        "lookup": timing.lookup,
-        "loading": timing.loading,
-        "clearing": timing.clearing,
-        "after": AFTER_LAUNCH,
-        "shown": timing.latency - timing.lookup - timing.loading,
         "startup": timing.startup,
         "handover_spacing": timing.handover_spacing,
         "results_at_once": timing.results,
@@ -97,10 +96,8 @@ def channel_bench(design: Design, timing: ChannelTiming, cells: Collection[str])
         "connections": ",\n".join(connections(inputs, outputs)),
         "checks": "\n".join(checks(outputs)),
         "clocking_connections": "\n".join(f"    {each}," for each in clocking_connections(design)),
-        "work": "\n".join(
-            f"      {phase}: work = {clocks};" for phase, clocks in enumerate(timing.work) if clocks
-        ),
         "plans": "\n".join(_plans(runs, [len(results) // parts for results in golden])),
+        **_contract(design, timing, inputs[-2].bits - 1),
     }
     return {
         f"{design.name}_tb.v": fill("channel_bench.v.in", values),
@@ -108,6 +105,31 @@ def channel_bench(design: Design, timing: ChannelTiming, cells: Collection[str])
         f"{design.name}_expected.hex": packed_hex(words, outputs),
         "README.md": fill("channel_bench.md.in", values),
     }
+
+
+def _contract(design: Design, timing: AnyTiming, channel_top: int) -> dict[str, Any]:
+    """The parts of the contract by their places in the bench."""
+    values: dict[str, Any] = {"lookup": timing.lookup, "channel_top": channel_top}
+    if isinstance(timing, ChannelTiming):
+        template, before = "channel_contract_compact.v.in", timing.lookup + timing.loading
+        values |= {
+            "loading": timing.loading,
+            "clearing": timing.clearing,
+            "after": AFTER_LAUNCH,
+            "phases": design.algorithm.samples,
+            "work": "\n".join(
+                f"      {phase}: work = {clocks};"
+                for phase, clocks in enumerate(timing.work)
+                if clocks
+            ),
+        }
+    else:
+        template, before = "channel_contract_pipelined.v.in", timing.lookup
+        values |= {name: getattr(timing, name) for name in ("spacing", "apart", "waiting")}
+    _, *parts = fill(template, values).split("//// ")
+    named = (part.split("\n", 1) for part in parts)
+    told = {f"contract_{name}": text.rstrip("\n") for name, text in named}
+    return {**told, "shown": timing.latency - before}
 
 
 def _plans(runs: Sequence[ChannelRun], results: Sequence[int]) -> Iterator[str]:
@@ -129,7 +151,7 @@ def active_channels(design: Design, most: int = _MOST) -> list[int]:
     return sorted(list(dict.fromkeys(channel for channel in few if channel <= last))[:most])
 
 
-def _runs(design: Design, timing: ChannelTiming) -> Iterator[ChannelRun]:
+def _runs(design: Design, timing: AnyTiming) -> Iterator[ChannelRun]:
     """Two long runs, whose results are all taken, and short ones that a reset cuts."""
     rng = random.Random(_SEED)
     clocks = clocks_per_major(design, timing)

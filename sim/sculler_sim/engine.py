@@ -34,7 +34,14 @@ from sculler_hdl import timing
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock
-from sculler_model.golden import ChannelCycleModel, ChannelTiming, CycleModel, Ports
+from sculler_model.golden import (
+    ChannelCycleModel,
+    ChannelTiming,
+    CycleModel,
+    PipelinedChannelModel,
+    PipelinedChannelTiming,
+    Ports,
+)
 from sculler_sim.engines import amaranth as amaranth_engine
 from sculler_sim.engines import verilator as verilator_engine
 from sculler_sim.run import CheckedChunk, Chunk, PortTrace, Progress, check_chunks
@@ -178,11 +185,13 @@ def _clocks(
 
 def _model_clocks(design: Design, surroundings: Surroundings) -> Iterator[Ports]:
     clocks = timing(design)
-    model: Any = (  # each takes the samples of its designs
-        ChannelCycleModel(design, clocks)
-        if isinstance(clocks, ChannelTiming)
-        else CycleModel(design, clocks)
-    )
+    model: Any  # each takes the samples of its designs
+    if isinstance(clocks, ChannelTiming):
+        model = ChannelCycleModel(design, clocks)
+    elif isinstance(clocks, PipelinedChannelTiming):
+        model = PipelinedChannelModel(design, clocks)
+    else:
+        model = CycleModel(design, clocks)
     while not surroundings.done:
         now = surroundings.inputs
         offered = now.sample if now.sample_valid else None

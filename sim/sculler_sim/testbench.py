@@ -34,6 +34,7 @@ from sculler_model.golden import (
     COUNTER_MAX,
     RELEASE,
     ChannelTiming,
+    PipelinedChannelTiming,
     Timing,
     to_words,
     words_per_column,
@@ -94,7 +95,7 @@ def write_testbench(
     """
     if design.compensation is not None:  # its goals and resets are those of a core without
         least = least._replace(resets=0)
-    if isinstance(timing, ChannelTiming):
+    if isinstance(timing, ChannelTiming | PipelinedChannelTiming):
         files = channel_bench(design, timing, cells)
     else:
         files = testbench(design, timing, cells, least)

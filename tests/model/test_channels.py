@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,8 +16,11 @@ from sculler_model.golden import (
     ChannelSample,
     ChannelTiming,
     GoldenModel,
+    PipelinedChannelModel,
+    PipelinedChannelTiming,
     Ports,
     to_words,
+    words_per_column,
 )
 from strategies import DESIGNS, with_hardware
 
@@ -54,8 +59,8 @@ def test_one_channel_is_left_unsaid():
     [
         ({"channels": 1025}, "1025 is not allowed, give a whole number from 1 to 1024"),
         (
-            {"core": "pipelined", "channels": 2},
-            '2 is not built for core = "pipelined": give core = "compact"',
+            {"core": "pipelined", "handover": "parallel", "channels": 2},
+            '2 is not built with handover = "parallel": leave one out',
         ),
         (
             {"bus": {"result": "axi-lite"}, "channels": 2},
@@ -316,3 +321,87 @@ def test_ports_are_those_of_the_contract(seed: int):
         model.clock(next(given), 1, rst=1)
     longest = timing.startup + timing.spacing + timing.latency + timing.handover_spacing
     assert timing.longest_wait == longest + 2 * max(timing.work) + timing.clearing
+
+
+PIPELINED = PipelinedChannelTiming(latency=9, startup=3, lookup=3, apart=4, waiting=4, results=1)
+STIM300 = Design.preset("stim300")
+
+
+def test_a_pipelined_core_with_channels_streams():
+    two = with_hardware(STIM300, core="pipelined", channels=2)
+    assert two.hardware.handover == "stream"
+    assert with_hardware(two, **{**two.as_json()["hardware"], "channels": 1}).channels == 1
+
+
+@pytest.mark.parametrize(
+    ("channels", "ready"),
+    [
+        # launched in 6, 10, 14, ...; four wait after 7, and one place is free after each launch
+        (1, "000 11111 0001 0001 0001 0001"),
+        # launched in 6 and 7, 10 and 11, ...; four wait after 8
+        (2, "000 111111 0011 0011 0011 0011"),
+        (4, "000 1111 1111 1111 1111 1111"),
+    ],
+)
+def test_samples_of_one_channel_come_apart(channels: int, ready: str):
+    """Look-ups begin one clock after a sample is taken, launches come two clocks after that."""
+    model = PipelinedChannelModel(with_hardware(STIM300, channels=4), PIPELINED)
+    wanted = [int(level) for level in ready.replace(" ", "")]
+    seen, taken = [], 0
+    for _ in wanted:
+        sample = ChannelSample(taken % channels, (1, 2, 3), (4, 5, 6))
+        seen.append(model.clock(sample, 1).sample_ready)
+        taken += seen[-1]
+    assert seen == wanted
+
+
+@pytest.mark.parametrize("spacing", [1, 3])
+def test_launches_come_apart(spacing: int):
+    """Eight channels by turns; each launch frees a place in the next clock."""
+    timing = replace(PIPELINED, spacing=spacing)
+    model = PipelinedChannelModel(with_hardware(STIM300, channels=8), timing)
+    seen = [
+        model.clock(ChannelSample(t % 8, (1, 2, 3), (4, 5, 6)), 1).sample_ready for t in range(30)
+    ]
+    free = [t for t, ready in enumerate(seen) if ready and t > 12]
+    assert free == [*range(13, 30, spacing)]
+
+
+def test_a_result_keeps_the_next_ones_last_sample_back_by_hand():
+    """Taken in 3 and 4, launched in 6; then when the first result has been taken, and 1 more."""
+    design = with_hardware(DESIGNS["smallest"], channels=2)
+    model = PipelinedChannelModel(design, PIPELINED)
+    first, second = (ChannelSample(c, (1 + c, 2, -3), (0, 0, 4)) for c in (0, 1))
+    offers = [None, None, None, first, second] + [None] * 400
+    seen = [model.clock(offered, 1) for offered in offers]
+    words = []
+    for sample in (first, second):
+        result = GoldenModel(PLAIN).step(sample.gyro, sample.accel)
+        assert result is not None
+        words.append(to_words(design, result.row()))
+    count = len(words[0])
+    valid = [t for t, each in enumerate(seen) if each.result_valid]
+    again = 12 + count  # the second is launched
+    assert valid == [*range(12, 12 + count), *range(again + 6, again + 6 + count)]
+    shown = [seen[t].result for t in valid]
+    assert [word for word, _, _ in shown] == [*words[0], *words[1]]
+    assert [last for _, last, _ in shown] == [*[0] * (count - 1), 1] * 2
+    assert [channel for _, _, channel in shown] == [0] * count + [1] * count
+
+
+def test_losses_of_a_pipelined_core_by_hand():
+    """One before anything could be taken marks nothing; one of channel 1 marks that one's next."""
+    design = with_hardware(DESIGNS["smallest"], channels=2)
+    model = PipelinedChannelModel(design, replace(PIPELINED, waiting=1))
+    one, other = (ChannelSample(c, (1, 2, 3), (4, 5, 6)) for c in (1, 0))
+    offers = [one, None, None, other, one, None, one] + [one] * 300
+    seen = [model.clock(offered, 1) for offered in offers]
+    assert [each.samples_lost for each in seen[:9]] == [0, 0, 0, 1, 1, 1, 1, 2, 2]
+    place = words_per_column(design)
+    told = {}
+    for each in seen:
+        if each.result_valid:
+            told.setdefault(each.result[2], []).append(each.result[0])
+    assert told[0][place] & STATUS_LOST == 0
+    assert told[1][place] & STATUS_LOST == STATUS_LOST
+    assert model.golden.models[1].t >= 1

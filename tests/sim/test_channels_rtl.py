@@ -42,6 +42,26 @@ CASES: list[Any] = [
             ("dense_uncompressed_4", {"channels": 256}, 12000),
         )
     ),
+    *(
+        pytest.param(
+            name, {"core": "pipelined", **hardware}, samples, marks=deep, id=f"fast_{name}"
+        )
+        for name, hardware, samples in (
+            ("taylor_3p3", {"channels": 5}, 3000),
+            ("smallest", {"channels": 3, "reset_active": "low"}, 2000),
+            ("dense_odd_3", {"channels": 4, "target": "ice40"}, 4000),
+            ("early_taps_2", {"channels": 2}, 3000),
+            ("both_taps_2", {"channels": 3, "target": "xilinx"}, 3000),
+            ("late_sum_2", {"channels": 2, "initial": False}, 4000),
+            ("rate_1p0", {"channels": 6, "target": "ice40"}, 1500),
+            ("stim300_4x5", {"channels": 64, "target": "ecp5"}, 9000),
+            ("taylor_3p1", {"channels": 20, "target": "ecp5", "multipliers": 40}, 6000),
+            ("taylor_2p0", {"channels": 17, "target": "ecp5"}, 6000),
+            ("wide_5p0", {"channels": 2, "target": "nexus"}, 3000),
+            ("taylor_8p8", {"channels": 3, "target": "gowin", "multipliers": 60}, 3000),
+            ("dense_uncompressed_4", {"channels": 256}, 15000),
+        )
+    ),
 ]
 
 
@@ -139,11 +159,14 @@ def test_the_manifest_tells_of_channels():
 BENCHES: list[Any] = [
     pytest.param("early_taps_2", {"channels": 2, "target": "ice40"}, id="two"),
     *(
-        pytest.param(name, hardware, marks=deep, id=name)
+        pytest.param(name, hardware, marks=deep, id=f"{hardware.get('core', 'compact')}_{name}")
         for name, hardware in (
             ("smallest", {"channels": 3, "target": "ice40", "initial": False}),
             ("taylor_3p3", {"channels": 5, "target": "ecp5"}),
             ("stim300_4x5", {"channels": 100}),  # memories without initial values
+            ("smallest", {"core": "pipelined", "channels": 5, "initial": False}),
+            ("taylor_3p3", {"core": "pipelined", "channels": 40, "target": "ecp5"}),
+            ("taylor_3p1", {"core": "pipelined", "channels": 2, "multipliers": 40}),
         )
     ),
 ]

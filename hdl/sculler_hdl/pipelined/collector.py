@@ -8,7 +8,7 @@ from typing import NamedTuple
 from amaranth import Cat, Module, Signal, Value
 
 from sculler_hdl.lib.delay import ControlDelay
-from sculler_hdl.plan.arrival import spans
+from sculler_hdl.plan.arrival import Arrival, spans
 from sculler_hdl.plan.transfer import (
     LIMB,
     RAIL_DELAY,
@@ -136,6 +136,11 @@ class Collector:
             )
             for i in range(limbs)
         ]
+
+    def number(self, number: Value, arrival: Arrival) -> Iterator[Piece]:
+        """Each piece of a number that comes with its result."""
+        for lo, hi, clock in spans(arrival):
+            yield Piece("major", 0, lo, clock, self.takes.rest.at_clock(clock), number[lo:hi])
 
     def components(self, source: Value) -> Iterator[Piece]:
         """Each piece of the components in `source`, a vector of three by name."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import nullcontext
 
 from amaranth import Cat, Module, Mux, Signal, Value
@@ -53,6 +54,7 @@ class CrossArray(wiring.Component):
         inverted: how `last` is held (`ControlDelay`), to keep it apart from another array's.
         tell_unread: whether names tell of bits of products that no total has (`emit_multiplier`).
             Texts of second order have gone without.
+        further: more members.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class CrossArray(wiring.Component):
         primitive: bool = True,
         inverted: bool = False,
         tell_unread: bool = False,
+        further: Mapping[str, wiring.Member] | None = None,
     ) -> None:
         self.plan = plan
         self.lead = lead
@@ -83,17 +86,18 @@ class CrossArray(wiring.Component):
                     name: Out(data.ArrayLayout(total.bits, plan.lanes))
                     for name, total in plan.totals.items()
                 },
+                **(further or {}),
             }
         )
 
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
-        last = _Steps(m, ControlDelay(m, "last", self.last, -self.lead, inverted=self.inverted))
+        last = Steps(m, ControlDelay(m, "last", self.last, -self.lead, inverted=self.inverted))
         # what stands apart has flags of its own: the adders of each total, and in a long array the
         # operands of each pair.  What a reset leaves under way is loaded for nothing, for no sum
         # takes a step then.
         launches = {
-            name: _Steps(
+            name: Steps(
                 m, ControlDelay(m, f"launch_{name}", self.launch, -self.lead, inverted=i == 1)
             )
             for i, name in enumerate(plan.form.totals)
@@ -134,8 +138,8 @@ class CrossArray(wiring.Component):
         name: str,
         lane: int,
         added: SkewedSignal,
-        launch: _Steps,
-        last: _Steps,
+        launch: Steps,
+        last: Steps,
     ) -> None:
         """The accumulator of a total, which takes in what each step adds up."""
         plan = self.plan
@@ -157,7 +161,7 @@ class CrossArray(wiring.Component):
         """A name for a total's own flags, where others far from it do the same at the same time."""
         return f"{name}_{AXES[lane]}" if self.plan.lanes > 1 else ""
 
-    def _signed(self, m: Module, name: str, word: SkewedSignal, launch: _Steps, near: str) -> Value:
+    def _signed(self, m: Module, name: str, word: SkewedSignal, launch: Steps, near: str) -> Value:
         """What a step adds, inverted where it is to be subtracted."""
         plan = self.plan
         bits = plan.accumulators[name].item.bits
@@ -173,7 +177,7 @@ class CrossArray(wiring.Component):
         return Cat(*pieces)
 
 
-class _Steps:
+class Steps:
     """In which steps of a launch something is done, told by a flag that goes along with it."""
 
     def __init__(self, m: Module, flag: ControlDelay) -> None:
@@ -211,7 +215,7 @@ class _Operands:
         # where sides take turns, what a reset left under way would move the next launch's operands
         all_cleared = plan.folding.sides == 2
         self.loads = [
-            _Steps(
+            Steps(
                 m,
                 ControlDelay(
                     m,
@@ -286,7 +290,7 @@ class _Operands:
             chosen = Mux(self.loads[group].during(turn, clock), other, chosen)
         return chosen
 
-    def _places(self, name: str, launch: _Steps, copy: int) -> list[SkewedSignal]:
+    def _places(self, name: str, launch: Steps, copy: int) -> list[SkewedSignal]:
         """The three components of an operand, in registers that move round from step to step."""
         plan, m = self.plan, self.m
         words = [self._word(name, i) for i in range(3)]
@@ -318,7 +322,7 @@ class _Operands:
         self,
         registers: list[Signal],
         taken: list[Value],
-        launch: _Steps,
+        launch: Steps,
         moves: dict[int, list[int]],
         clock: int,
     ) -> None:

@@ -26,6 +26,16 @@ def emit_rail(
         samples: the counts of each sensor, there at `TAP_CLOCK`.
         taken, ended: a sample is taken; it is its major interval's last.
     """
+    return _of_interval(m, emit_newest_rail(m, samples), taken, ended)
+
+
+def emit_newest_rail(m: Module, samples: Mapping[str, Sequence[SkewedSignal]]) -> Value:
+    """At `TAP_CLOCK` + 3: a count of the sample is at a rail.
+
+    Args:
+        m: the core.
+        samples: as for `emit_rail`.
+    """
     sensors = []
     for sensor, words in samples.items():
         whole: list[Value] = []  # at TAP_CLOCK + 2, some for each count
@@ -42,7 +52,7 @@ def emit_rail(
             whole.append(Cat(parts).all())
         sensors.append(Signal(name=f"{sensor}_at_rail"))
         m.d.sync += sensors[-1].eq(Cat(whole).any())
-    return _of_interval(m, Cat(sensors).any(), taken, ended)
+    return Cat(sensors).any()
 
 
 def emit_told_rail(m: Module, told: Value, taken: ControlDelay, ended: ControlDelay) -> Value:

@@ -9,6 +9,7 @@ from amaranth.lib.wiring import In, Out
 from sculler_hdl.lib.losses import emit_event_counter
 from sculler_hdl.pipelined.collector import Collector, Piece, Transfer, emit_counter
 from sculler_hdl.pipelined.handover import result_layout
+from sculler_hdl.plan.arrival import width
 from sculler_hdl.plan.transfer import HandOverPlan
 from sculler_model.design import AXES, STATUS_BITS, columns_of
 from sculler_model.golden import COUNTER_BITS, WORD_BITS
@@ -34,6 +35,7 @@ class StreamHandOver(wiring.Component):
         status (clock `plan.status_clock`): its status but for bit 2; rail (`RAIL_DELAY` later):
             that.
         input: the bits of its components, as `plan.arrivals` says.
+        number: of its number, as `plan.number` says, if it comes with the result.
         ready, valid: the host's handshake for each word; data, last: the word.
         taken: in the clock the host takes the last word.
         dropped: how many results were dropped.
@@ -58,6 +60,7 @@ class StreamHandOver(wiring.Component):
                 "claim": In(1),
                 "major_end": In(1),
                 **({"late": In(1)} if plan.late is not None else {}),
+                **({} if plan.number is None else {"number": In(width(plan.number))}),
                 "status": In(STATUS_BITS),
                 "rail": In(1),
                 "input": In(result_layout(plan)),
@@ -84,7 +87,10 @@ class StreamHandOver(wiring.Component):
         rest = collector.takes.rest
         pieces = collector.status(self.status, self.rail)
         pieces += map(self._extended, collector.components(self.input))
-        if plan.moves is None:
+        if plan.number is not None:
+            begins, show = self.major_end, rest.at_clock(plan.complete)
+            pieces += map(self._filled, collector.number(self.number, plan.number))
+        elif plan.moves is None:
             begins, show = self.major_end, rest.at_clock(plan.complete)
             major = emit_counter(m, self.major_end, WORD_BITS * self.column_words)
             pieces.append(Piece("major", 0, 0, plan.clock, self.major_end, major))
@@ -132,6 +138,14 @@ class StreamHandOver(wiring.Component):
             return piece
         sign = piece.bits[-1].replicate(WORD_BITS * self.column_words - total)
         return piece._replace(bits=Cat(piece.bits, sign))
+
+    def _filled(self, piece: Piece) -> Piece:
+        """A piece of the number; zeros go on to the column's end."""
+        total = len(self.number)
+        if piece.low + len(piece.bits) < total:
+            return piece
+        zeros = C(0, WORD_BITS * self.column_words - total)
+        return piece._replace(bits=Cat(piece.bits, zeros))
 
     def _put(self, m: Module, words: list[Signal], piece: Piece) -> None:
         """A piece into its place: bit `low` of a column's value."""

@@ -143,30 +143,34 @@ class Schedule:
         configuration: how to build it.
 
     Attributes:
-        taps: A and B, by sensor; they take samples at `TAP_CLOCK`.
-        minors: theta and v; they take samples at `MINOR_CLOCK`.
+        taps: A and B, by sensor; they take samples at `tap_clock`.
+        minors: theta and v; they take samples at `minor_clock`.
         integrals: alpha and nu.
         arrays: within, and between if there is one.
         launches: the clock at which each array takes its operands.
         sample_clock: at which the within array sees the sample itself.
         position: high-resolution position, if there is any; from `POSITION_CLOCK` on.
         engine: of third and fourth order, if there is any; it starts at `engine_clock`.
+        tap_clock, minor_clock: at which A and B, theta and v take a sample.
         block_count: multiplier blocks.
         longest: bits of the longest limbs together: of A and B, of theta to nu, of the products'
             sums.
         arrivals: for each vector of the result, when the bits of its components are there.
     """
 
+    tap_clock = TAP_CLOCK
+    minor_clock = MINOR_CLOCK
+    taps: dict[str, WeightedSumPlan]
+    minors: dict[str, WeightedSumPlan | RunningSumPlan]
+
     def __init__(self, design: Design, configuration: Configuration) -> None:
         self.design = design
         self.configuration = configuration
-        adders = configuration.adders
-        self.taps = _taps(design, adders)
-        self.minors = _minors(design, adders)
+        self._plan_sums()
         self.integrals = self._integrals()
         self.arrays: dict[str, CrossArrayPlan] = {}
         self.launches: dict[str, int] = {}
-        tap_arrivals = [later(part.arrival, TAP_CLOCK) for part in self.taps.values()]
+        tap_arrivals = [later(part.arrival, self.tap_clock) for part in self.taps.values()]
         self.sample_clock = min(last_clock(arrival[:1]) for arrival in tap_arrivals)
         self._plan_within(tap_arrivals)
         if configuration.between is not None:
@@ -192,24 +196,34 @@ class Schedule:
             + max(array.limb.bits for array in arrays)
         )
 
+    def _plan_sums(self) -> None:
+        """A and B, theta and v."""
+        self.taps = _taps(self.design, self.configuration.adders)
+        self.minors = _minors(self.design, self.configuration.adders)
+
     def _integrals(self) -> dict[str, AccumulatorPlan]:
         """Alpha and nu; `before` the last minor interval's is all the between products see."""
         design, adders = self.design, self.configuration.adders
-        words, minors, n = design.words, design.algorithm.minors, design.algorithm.samples
+        words, minors = design.words, design.algorithm.minors
         return {
             name: AccumulatorPlan(
                 item,
-                later(self.minors[minor].arrival, MINOR_CLOCK),
+                later(self.minors[minor].arrival, self.minor_clock),
                 total,
                 adders.cut(adders.minor_bits, total),
                 item.repeated(minors - 1),
-                gap=n,
+                gap=self._minor_gap,
             )
             for name, minor, item, total in (
                 ("alpha", "theta", words.theta, words.alpha),
                 ("nu", "v", words.v, words.nu),
             )
         }
+
+    @property
+    def _minor_gap(self) -> int:
+        """Samples from one that ends a minor interval to the next, at least."""
+        return self.design.algorithm.samples
 
     def _plan_within(self, taps: Sequence[Arrival]) -> None:
         """A x s and A x r + B x s."""
@@ -224,7 +238,7 @@ class Schedule:
         words = self.design.words
         alpha, nu = ((part.before, part.before_arrival) for part in self.integrals.values())
         theta, v = (
-            (part.result, later(part.arrival, MINOR_CLOCK)) for part in self.minors.values()
+            (part.result, later(part.arrival, self.minor_clock)) for part in self.minors.values()
         )
         totals = words.coning_between, words.sculling_between
         self._plan_array("between", (alpha, nu), (theta, v), totals, folding)

@@ -5,6 +5,7 @@ from dataclasses import replace
 from sculler_hdl.plan.compact.plan import plan_compact
 from sculler_hdl.plan.compensation import plan_compensation
 from sculler_hdl.plan.pipelined import plan_pipelined
+from sculler_hdl.plan.pipelined_channels import plan_pipelined_channels
 from sculler_model.design import Design
 from sculler_model.golden import Timing
 
@@ -22,6 +23,8 @@ def timing(design: Design) -> Timing:
         return replace(timing(design.inner), compensation=plan_compensation(design).clocks)
     if design.hardware.core == "compact":
         return plan_compact(design).timing
+    if design.channels > 1:
+        return plan_pipelined_channels(design).timing
     made = plan_pipelined(design).timing
     if design.hardware.hardening != "detect":
         return made

@@ -114,6 +114,7 @@ class HandOverPlan:
         column_words: words of each column of a stream; None hands whole results over.
         late: that `late` belongs to, a flag of its own for the bits that come from then on; None if
             there is none.
+        number: when the bits of the result's number are there, if it comes with the result.
 
     Attributes:
         ranges: of the components of each vector.
@@ -134,6 +135,7 @@ class HandOverPlan:
         drop: bool = False,
         column_words: int | None = None,
         late: int | None = None,
+        number: Arrival | None = None,
     ) -> None:
         names = (
             *VECTORS,
@@ -146,9 +148,12 @@ class HandOverPlan:
         self.arrivals = dict(arrivals)
         self.clock = clock
         self.late = late
+        self.number = number
         self.status_clock = clock + 1
         self.column_words = column_words
         self.complete = complete_clock(arrivals)
+        if number is not None:
+            self.complete = max(self.complete, *(clock for _, clock in number))
         self.majors = (column_words or PORT_MAJOR_BITS // LIMB) if drop else 0
         apart = drop or results == 2
         self.moves = TransferPlan(arrivals, clock, self.majors) if apart else None

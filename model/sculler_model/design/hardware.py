@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from sculler_model.design.bus import Bus
 from sculler_model.design.front import Front
@@ -102,6 +102,16 @@ class Hardware(Part):
         """Whether it has a synchronous active-high reset."""
         return not (self.reset or self.reset_active)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _many_channels_stream(cls, data: Any) -> Any:
+        """A core with channels hands over a stream, whichever core it is."""
+        if not isinstance(data, dict) or data.get("handover") is not None:
+            return data
+        channels = data.get("channels")
+        many = isinstance(channels, int) and channels > 1
+        return {**data, "handover": "stream"} if many else data
+
     @field_validator("initial")
     @classmethod
     def _with_initial_values_is_left_unsaid(cls, value: bool | None) -> bool | None:
@@ -136,10 +146,8 @@ class Hardware(Part):
     def _channels_are_built(cls, channels: int | None, info: ValidationInfo) -> int | None:
         if channels in (None, 1):
             return None
-        if info.data.get("core") == "pipelined":
-            raise ValueError(
-                f'{channels} is not built for core = "pipelined": give core = "compact"'
-            )
+        if info.data.get("handover") == "parallel":
+            raise ValueError(f'{channels} is not built with handover = "parallel": leave one out')
         for part in ("bus", "front"):
             if info.data.get(part) is not None:
                 raise ValueError(

@@ -24,6 +24,10 @@ from sculler_model.golden.cycles import (
     Timing,
     result_ports,
 )
+from sculler_model.golden.pipelined_channels import (
+    PipelinedChannelModel,
+    PipelinedChannelTiming,
+)
 from sculler_model.golden.reference import GoldenModel, Sample, check_widths
 from sculler_model.golden.stream import (
     WORD_BITS,
@@ -50,6 +54,8 @@ __all__ = [
     "CycleModel",
     "Dropping",
     "GoldenModel",
+    "PipelinedChannelModel",
+    "PipelinedChannelTiming",
     "Ports",
     "Sample",
     "Timing",

@@ -143,6 +143,11 @@ class Timing:
         return own + self.before
 
     @property
+    def beside(self) -> int:
+        """Clocks of the latency that pass while the result before is still handed over."""
+        return 0
+
+    @property
     def before(self) -> int:
         """Clocks that a sample spends before the core, at least."""
         return self.compensation or 0

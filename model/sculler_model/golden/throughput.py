@@ -31,7 +31,8 @@ def clocks_per_major(design: Design, timing: Timing) -> int:
     if timing.dropping is not None:
         return samples
     words = words_per_result(design) if design.hardware.handover == "stream" else 1
-    handing_over = timing.latency + (words - 1) * timing.handover_spacing + 1
+    own = timing.latency - timing.beside
+    handing_over = own + (words - 1) * timing.handover_spacing + 1
     return max(
         samples,
         -(-handing_over // timing.results),
