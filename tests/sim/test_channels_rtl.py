@@ -130,11 +130,14 @@ def test_what_does_not_fit_is_told(tmp_path: Path, capsys: pytest.CaptureFixture
         list(run)
 
 
-def test_the_verbs_take_a_log_through_the_core(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+@pytest.mark.parametrize("core", ["compact", pytest.param("pipelined", marks=deep)])
+def test_the_verbs_take_a_log_through_the_core(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, core: str
+):
     monkeypatch.chdir(tmp_path)
     Path("two.toml").write_text(
         'name = "two"\npreset = "stim300"\n[algorithm]\nsamples = 2\nminors = 1\n'
-        '[hardware]\ncore = "compact"\nchannels = 2\n'
+        f'[hardware]\ncore = "{core}"\nchannels = 2\n'
     )
     rng = np.random.default_rng(4)
     rows = np.column_stack([rng.integers(0, 2, 24), rng.integers(-(2**23), 2**23, (24, 6))])

@@ -1,6 +1,8 @@
 """Shapes that the parts share."""
 
-from amaranth import Value, signed, unsigned
+from collections.abc import Sequence
+
+from amaranth import Mux, Value, signed, unsigned
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -16,6 +18,16 @@ def vector(interval: Interval) -> data.ArrayLayout:
 def is_one_of(value: Value, choices: list[int]) -> Value:
     """1 where the value equals one of the choices."""
     return value.matches(*choices)
+
+
+def chosen(number: Value, data: Sequence[Value]) -> Value:
+    """The one of this number."""
+    if len(data) == 1:
+        return data[0]
+    level = (len(data) - 1).bit_length() - 1
+    return Mux(
+        number[level], chosen(number, data[1 << level :]), chosen(number, data[: 1 << level])
+    )
 
 
 def core_members(design: Design) -> dict[str, wiring.Member]:

@@ -12,6 +12,7 @@ from amaranth.lib import memory, wiring
 from amaranth.lib.wiring import In, Out
 
 from sculler_hdl.lib.block_memory import memory_attributes
+from sculler_hdl.lib.layout import chosen
 from sculler_hdl.targets import Target
 
 _DEPTHS = {18: 1024, 9: 2048, 4: 4096, 2: 8192, 1: 16384}
@@ -137,7 +138,7 @@ class BlockMemory(wiring.Component):
             with m.If(self.step):
                 m.d.sync += register.eq(read)
             read = register
-        m.d.comb += self.data.eq(_chosen(read, data))
+        m.d.comb += self.data.eq(chosen(read, data))
 
     def _bank(self, m: Module, name: str, share: int, write: Value, shown: Value) -> None:
         """Blocks of so many bits, side by side."""
@@ -184,16 +185,6 @@ def _bank_of(address: Value, firsts: Sequence[int]) -> Value:
     for number, first in enumerate(firsts[1:], start=1):
         bank = Mux(address >= first, number, bank)
     return bank
-
-
-def _chosen(number: Value, data: Sequence[Value]) -> Value:
-    """The one of this number."""
-    if len(data) == 1:
-        return data[0]
-    level = (len(data) - 1).bit_length() - 1
-    return Mux(
-        number[level], _chosen(number, data[1 << level :]), _chosen(number, data[: 1 << level])
-    )
 
 
 def _dp16kd(

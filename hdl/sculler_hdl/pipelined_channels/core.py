@@ -120,12 +120,12 @@ class PipelinedChannelCore(wiring.Component):
             status.first.eq(datapath.flags["first"].at_clock(clock)),
             status.marks.eq(Cat(own.at_clock(clock), rail)),
         ]
-        told = SkewedSignal(m, "told", status.told, at_once(3, STATUS_CLOCK))
-        fault, lost, _ = told.at_clock(STATUS_CLOCK)
+        fault, lost, at_rail = status.told
+        told = SkewedSignal(m, "told_rail", at_rail, at_once(1, STATUS_CLOCK))
         short = datapath.flags["short"].at_clock(STATUS_CLOCK)
         m.d.comb += [
             handover.status.eq(Cat(short, fault, 0, lost)),
-            handover.rail.eq(told.at_clock(STATUS_CLOCK + RAIL_DELAY)[2]),
+            handover.rail.eq(told.at_clock(STATUS_CLOCK + RAIL_DELAY)),
         ]
 
     def _results(self, m: Module, datapath: ChannelDatapath, handover: StreamHandOver) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from amaranth import Array, Module, Mux, Signal, Value
+from amaranth import C, Cat, Module, Mux, Signal, Value
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.lib.layout import is_one_of
+from sculler_hdl.lib.layout import chosen, is_one_of
 from sculler_hdl.lib.memory import BlockMemory
 from sculler_hdl.plan.pipelined_channels import WAITING, PipelinedChannelPlan
 from sculler_hdl.plan.ports import channel_bits
@@ -17,21 +17,19 @@ from sculler_model.design import Design
 
 
 def place_layout(design: Design) -> data.StructLayout:
-    """What is kept of a channel.
+    """What is kept of a channel that has had a sample.
 
-    started: it has had a sample.  phase, minor, major: of its next sample, the last staying at its
-    largest.  ends_major: that one is its major interval's last.
+    phase, minor, major: of its next sample, the last staying at its largest.  ends_major: that one
+    is its major interval's last.  What is always 0 is left out.
     """
     algorithm = design.algorithm
-    return data.StructLayout(
-        {
-            "started": 1,
-            "phase": max(1, (algorithm.samples - 1).bit_length()),
-            "minor": max(1, (algorithm.minors - 1).bit_length()),
-            "major": max(design.short_majors, 1).bit_length(),
-            "ends_major": 1,
-        }
-    )
+    bits = {
+        "phase": (algorithm.samples - 1).bit_length(),
+        "minor": (algorithm.minors - 1).bit_length(),
+        "major": max(design.short_majors, 1).bit_length(),
+        "ends_major": 1,
+    }
+    return data.StructLayout({name: width for name, width in bits.items() if width})
 
 
 class Front(wiring.Component):
@@ -75,7 +73,7 @@ class Front(wiring.Component):
         self.layout = place_layout(design)
         # small ones need no block, which synthesis finds out
         self.places = BlockMemory(
-            plan.target, self.layout.size, [0] * design.channels, primitive=False
+            plan.target, self.layout.size + 1, [0] * design.channels, primitive=False
         )
         number = channel_bits(design)
         flags = "taken fresh launch minor_end major_end first first_launch first_minor first_major"
@@ -92,7 +90,7 @@ class Front(wiring.Component):
                 "started": Out(1),
                 "slot": Out(range(WAITING)),
                 "channel": Out(number),
-                "phase": Out(self.layout["phase"].shape),
+                "phase": Out(range(design.algorithm.samples)),
                 "short": Out(1),
                 **{flag: Out(1) for flag in flags.split()},
             }
@@ -104,7 +102,7 @@ class Front(wiring.Component):
         goes, enters = Signal(), Signal()
         legal = self.sample_channel < design.channels
         m.d.comb += self.take.eq(self.sample_valid & self.sample_ready & legal)
-        head = self._waiting(m, enters, goes)
+        there, head = self._waiting(m, enters, goes)
 
         # the samples that are looked up, and the one whose flags are shown
         tag = data.StructLayout({"valid": 1, "restart": 1, "channel": len(self.channel)})
@@ -113,18 +111,18 @@ class Front(wiring.Component):
         clash = [(one.valid & (one.channel == head.channel)) for one in row]
         clash.append(self.taken & (self.channel == head.channel))
         m.d.comb += [
-            enters.eq(head.valid & ~self._any(clash) & moves & self._apart(m, enters, moves)),
+            enters.eq(there & ~self._any(clash) & moves & self._apart(m, enters, moves)),
             places.step.eq(moves),
             places.address.eq(head.channel),
         ]
         with m.If(moves):
-            m.d.sync += [row[0].eq(head), row[0].valid.eq(enters)]
+            m.d.sync += row[0].eq(Cat(enters, head))
             m.d.sync += [after.eq(before) for before, after in pairwise(row)]
 
         found = Signal(self.layout)
-        fresh = now.restart | ~data.View(self.layout, places.data).started
-        at_start = {"started": 1, "ends_major": int(design.samples_per_major == 1)}
-        m.d.comb += found.eq(Mux(fresh, self.layout.const(at_start).as_value(), places.data))
+        fresh = now.restart | ~places.data[-1]
+        at_start = self.layout.const({"ends_major": int(design.samples_per_major == 1)})
+        m.d.comb += found.eq(Mux(fresh, at_start.as_value(), places.data[:-1]))
         full = Signal()  # a result is under way or has not been taken whole
         waits = now.valid & found.ends_major & full
         m.d.comb += [moves.eq(~waits), goes.eq(now.valid & moves)]
@@ -142,29 +140,27 @@ class Front(wiring.Component):
             found = found | flag
         return found
 
-    def _waiting(self, m: Module, enters: Value, goes: Value) -> data.View:
-        """Samples that wait, and the first of them whose look-up has not begun."""
-        tag = data.StructLayout({"valid": 1, "restart": 1, "channel": len(self.channel)})
-        channels = Array(Signal(len(self.channel), name=f"channel_{i}") for i in range(WAITING))
-        restarts = Array(Signal(name=f"restart_{i}") for i in range(WAITING))
+    def _waiting(self, m: Module, enters: Value, goes: Value) -> tuple[Value, data.View]:
+        """Whether the look-up of a sample that waits has not begun, and the first such one."""
+        tag = data.StructLayout({"restart": 1, "channel": len(self.channel)})
+        tags = [Signal(tag, name=f"waits_{i}") for i in range(WAITING)]
         newest, looked, going = (
             Signal(range(WAITING), name=name) for name in ("newest", "looked", "going")
         )
         ahead, held = (Signal(range(WAITING + 1), name=name) for name in ("ahead", "held"))
+        for number, one in enumerate(tags):
+            with m.If(self.take & (newest == number)):
+                m.d.sync += one.eq(Cat(self.sample_restart, self.sample_channel))
         with m.If(self.take):
-            m.d.sync += [
-                channels[newest].eq(self.sample_channel),
-                restarts[newest].eq(self.sample_restart),
-                newest.eq(newest + 1),
-            ]
+            m.d.sync += newest.eq(newest + 1)
         with m.If(enters):
             m.d.sync += looked.eq(looked + 1)
         with m.If(goes):
             m.d.sync += going.eq(going + 1)
         then = Signal(range(WAITING + 1))
-        m.d.comb += then.eq(held + self.take - goes)
+        m.d.comb += then.eq(_counted(held, self.take, goes))
         m.d.sync += [
-            ahead.eq(ahead + self.take - enters),  # wait for their look-up
+            ahead.eq(_counted(ahead, self.take, enters)),  # wait for their look-up
             held.eq(then),  # wait for their launch
             self.slot.eq(going),
             self.started.eq(~self.clearing),
@@ -176,13 +172,9 @@ class Front(wiring.Component):
             m.d.sync += initial.eq(initial + 1)
             with m.If(initial == self.design.channels - 1):
                 m.d.sync += self.clearing.eq(0)
-        head = Signal(tag)
-        m.d.comb += [
-            head.valid.eq(ahead != 0),
-            head.restart.eq(restarts[looked]),
-            head.channel.eq(channels[looked]),
-        ]
-        return head
+        head = Signal(tag, name="head")
+        m.d.comb += head.eq(chosen(looked, [one.as_value() for one in tags]))
+        return ahead != 0, head
 
     def _apart(self, m: Module, enters: Value, moves: Value) -> Value:
         """Whether look-ups have gone on for `spacing` clocks since the last one began."""
@@ -196,19 +188,24 @@ class Front(wiring.Component):
             m.d.sync += left.eq(left - 1)
         return left == 0
 
+    def _field(self, place: data.View, name: str) -> Value:
+        """What is kept by this name, 0 where nothing is."""
+        return place[name] if name in self.layout.members else C(0, 1)
+
     def _tell(self, m: Module, found: data.View, goes: Value) -> None:
         """The flags of the sample that is launched."""
         design = self.design
         n, short = design.algorithm.samples, design.short_majors
         launched = sorted(tap_rows(design.table))
-        begins, ends = found.minor == 0, found.phase == n - 1
+        phase, minor = (self._field(found, name) for name in ("phase", "minor"))
+        begins, ends = minor == 0, phase == n - 1
         m.d.sync += [
-            self.phase.eq(found.phase),
-            self.launch.eq(is_one_of(found.phase, launched) & goes),
+            self.phase.eq(phase),
+            self.launch.eq(is_one_of(phase, launched) & goes),
             self.minor_end.eq(ends & goes),
             self.major_end.eq(found.ends_major & goes),
-            self.first.eq(begins & (found.phase == 0)),
-            self.first_launch.eq(begins & (found.phase == launched[0])),
+            self.first.eq(begins & (phase == 0)),
+            self.first_launch.eq(begins & (phase == launched[0])),
             self.first_minor.eq(begins),
             self.first_major.eq(found.major == 0),
             self.short.eq(found.major < short if short else 0),
@@ -220,19 +217,30 @@ class Front(wiring.Component):
         n, minors = design.algorithm.samples, design.algorithm.minors
         last = n * minors - 1  # number of a major interval's last sample, from 0
         before = (last - 1) % (last + 1)
-        following = Signal(self.layout, reset_less=True)
-        ends, largest = found.phase == n - 1, max(design.short_majors, 1)
-        minor = Mux(found.ends_major, 0, (found.minor + ends)[: len(found.minor)])
+        phase, minor = (self._field(found, name) for name in ("phase", "minor"))
+        ends, largest = phase == n - 1, max(design.short_majors, 1)
         more = found.ends_major & (found.major != largest)
-        m.d.sync += [
-            following.started.eq(1),
-            following.phase.eq(Mux(ends, 0, found.phase + 1)),
-            following.minor.eq(minor),
-            following.major.eq(found.major + more),
-            following.ends_major.eq((found.phase == before % n) & (found.minor == before // n)),
-        ]
+        then = {
+            "phase": Mux(ends, 0, _sum(phase, 1)),
+            "minor": Mux(found.ends_major, 0, _sum(minor, ends)),
+            "major": Mux(more, _sum(found.major, 1), found.major),
+            "ends_major": (phase == before % n) & (minor == before // n),
+        }
+        following = Signal(self.layout, reset_less=True)
+        m.d.sync += [following[name].eq(then[name]) for name in self.layout.members]
         m.d.comb += [
             places.write.eq(self.taken | self.clearing),
             places.write_address.eq(Mux(self.clearing, self.place, self.channel)),
-            places.write_data.eq(Mux(self.clearing, 0, following)),
+            places.write_data.eq(Mux(self.clearing, 0, Cat(following, 1))),
         ]
+
+
+def _sum(value: Value, more: Value | int) -> Value:
+    """The sum, modulo what the value's bits hold."""
+    return (value + more)[: len(value)]
+
+
+def _counted(number: Value, more: Value, less: Value) -> Value:
+    """One more, one less, or the same if both or neither are."""
+    below = _sum(number, (1 << len(number)) - 1)
+    return Mux(more == less, number, Mux(more, _sum(number, 1), below))

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from amaranth import Array, Cat, Module, Signal
+from amaranth import Module, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from sculler_hdl.lib.layout import chosen
 from sculler_hdl.plan.pipelined_channels import WAITING
 
 
@@ -38,13 +39,20 @@ class Waiting(wiring.Component):
     def elaborate(self, platform: object) -> Module:
         m = Module()
         bits = len(self.sample)
-        samples = Array(Signal(bits, name=f"sample_{i}", reset_less=True) for i in range(WAITING))
-        losses = Array(Signal(name=f"lost_{i}", reset_less=True) for i in range(WAITING))
+        samples = [Signal(bits, name=f"sample_{i}", reset_less=True) for i in range(WAITING)]
+        losses = [Signal(name=f"lost_{i}", reset_less=True) for i in range(WAITING)]
         newest, telling = Signal(range(WAITING)), Signal(range(WAITING))
+        for number, (sample, lost) in enumerate(zip(samples, losses, strict=True)):
+            with m.If(self.take & (newest == number)):
+                m.d.sync += sample.eq(self.sample)
+            with m.If(self.told & (telling == number)):
+                m.d.sync += lost.eq(self.lost)
         with m.If(self.take):
-            m.d.sync += [samples[newest].eq(self.sample), newest.eq(newest + 1)]
+            m.d.sync += newest.eq(newest + 1)
         with m.If(self.told):
-            m.d.sync += [losses[telling].eq(self.lost), telling.eq(telling + 1)]
-        chosen = Cat(samples[self.slot], losses[self.slot])
-        m.d.comb += Cat(self.chosen, self.chosen_lost).eq(chosen)
+            m.d.sync += telling.eq(telling + 1)
+        m.d.comb += [
+            self.chosen.eq(chosen(self.slot, samples)),
+            self.chosen_lost.eq(chosen(self.slot, losses)),
+        ]
         return m
