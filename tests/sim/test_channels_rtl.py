@@ -44,7 +44,11 @@ CASES: list[Any] = [
     ),
     *(
         pytest.param(
-            name, {"core": "pipelined", **hardware}, samples, marks=deep, id=f"fast_{name}"
+            name,
+            {"core": "pipelined", **hardware},
+            samples,
+            marks=deep,
+            id=f"fast_{name}_{hardware['channels']}",
         )
         for name, hardware, samples in (
             ("taylor_3p3", {"channels": 5}, 3000),
@@ -57,6 +61,8 @@ CASES: list[Any] = [
             ("stim300_4x5", {"channels": 64, "target": "ecp5"}, 9000),
             ("taylor_3p1", {"channels": 20, "target": "ecp5", "multipliers": 40}, 6000),
             ("taylor_2p0", {"channels": 17, "target": "ecp5"}, 6000),
+            ("taylor_2p0", {"channels": 16, "target": "ecp5"}, 6000),  # the most without blocks
+            ("early_taps_2", {"channels": 1024, "target": "ecp5"}, 8000),
             ("wide_5p0", {"channels": 2, "target": "nexus"}, 3000),
             ("taylor_8p8", {"channels": 3, "target": "gowin", "multipliers": 60}, 3000),
             ("dense_uncompressed_4", {"channels": 256}, 15000),
@@ -112,6 +118,48 @@ def test_every_port_on_every_clock(name: str, hardware: dict[str, Any], count: i
     )
     assert verilog.first_difference(model) is None
     assert model.sample_ready.any()
+
+
+@deep
+@pytest.mark.parametrize(
+    ("hardware", "spacing", "apart"),
+    [
+        ({"target": "ecp5"}, 1, 4),
+        ({"target": "ice40"}, 1, 3),
+        ({"target": "ecp5", "multipliers": 40}, 3, 4),
+    ],
+)
+def test_a_channel_may_come_back_after_any_number_of_others(
+    hardware: dict[str, Any], spacing: int, apart: int
+):
+    """One channel alone, two by turns, three by turns, ...: a sample offered in every clock.
+
+    No major interval ends before all of that is through, so that no result keeps samples back: a
+    turn takes `spacing` clocks for each sample, or `apart` if its channel comes back before.
+    """
+    design = many("taylor_3p1", core="pipelined", channels=8, **hardware)
+    said = design.as_json()
+    design = Design.parse({**said, "algorithm": {**said["algorithm"], "minors": 64}})
+    turns, rounds = range(1, 9), 23
+    whose = [np.tile(np.arange(turn), rounds) for turn in turns]
+    missing = 3 * 64 - np.bincount(np.concatenate(whose))
+    rest = np.random.default_rng(7).permutation(np.repeat(np.arange(8), missing))
+    order = np.concatenate([*whose, rest])
+    counts, _, faults, _ = drawn(design, len(order), seed=7)
+    seen, model = (
+        trace(design, counts, faults, Stimulus(), 9000, engine, order)
+        for engine in ("verilator", "model")
+    )
+    assert seen.first_difference(model) is None
+    taken = np.flatnonzero(seen.sample_ready)
+    for turn, end in zip(turns, np.cumsum([len(part) for part in whose]), strict=True):
+        assert taken[end - turn] - taken[end - 3 * turn] == 2 * max(apart, turn * spacing)
+    none = np.zeros(len(order), np.int64)
+    chunk: Any = (counts, order, faults, none)
+    found = VectorBlock.concatenate(list(simulate(design, [chunk])))
+    expected = FastChannels(design).feed(counts, order, faults, none)
+    assert found.first_difference(expected) is None
+    assert sorted(found.channels.tolist()) == list(range(8))
 
 
 def test_what_does_not_fit_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

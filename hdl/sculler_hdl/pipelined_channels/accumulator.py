@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth import Cat, Module, Mux, Value
+from amaranth import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -73,7 +73,9 @@ class ChannelAccumulator(wiring.Component):
                 memory.write.eq(step.at_clock(plan.clock + q + 1)),
                 memory.write_address.eq(address.at_clock(plan.clock + q + 1)),
             ]
-            before.append(Mux(restart.at_clock(plan.clock + q), 0, memory.data))
+            present = Signal(hi - lo, name=f"present_{q}")
+            m.d.comb += present.eq(Mux(restart.at_clock(plan.clock + q), 0, memory.data))
+            before.append(present)
             memories.append((memory, lo, hi))
         found = SkewedSignal(m, "before", Cat(*before), later(plan.arrival, -1))
         made = add(

@@ -67,7 +67,6 @@ class PipelinedChannelTiming(Timing):
 class _Waiting(NamedTuple):
     """A sample that has been taken."""
 
-    taken: int
     channel: int
     words: list[int] | None
     """Of the result that it completes."""
@@ -150,7 +149,7 @@ class PipelinedChannelModel:
             return
         result = self.golden.step(*sample)
         words = None if result is None else to_words(self.design, result.row())
-        self._waiting.append(_Waiting(self._clock, sample.channel, words))
+        self._waiting.append(_Waiting(sample.channel, words))
 
     def _launch(self) -> None:
         """Launch the first sample that waits, if it is looked up; go on with the others' look-up.
