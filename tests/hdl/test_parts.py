@@ -384,9 +384,12 @@ def test_weighted_sum_is_there_when_its_largest_coefficient_is():
 
 @pytest.mark.parametrize("limb", [Limbs(4), Limbs(4, 2), Limbs(64)], ids=str)
 @pytest.mark.parametrize(("sums", "signs"), [(1, False), (3, False), (1, True), (3, True)])
-def test_accumulator(sums, signs, limb):
+@pytest.mark.parametrize("cleared", [False, True])
+def test_accumulator(sums, signs, cleared, limb):
     item = Interval.signed(9)
-    plan = AccumulatorPlan(item, skewed(9, limb, 2), item.repeated(5), limb, sums=sums, signs=signs)
+    arrival, total = skewed(9, limb, 2), item.repeated(5)
+    plan = AccumulatorPlan(item, arrival, total, limb, sums=sums, signs=signs, cleared=cleared)
+    assert plan.cleared == (cleared and sums == 1)  # the others look at a flag
     part = Accumulator(plan)
     rng = random.Random(4)
     steps, last, carry, values, after = set(), set(), set(), {}, {}
@@ -411,11 +414,19 @@ def test_accumulator(sums, signs, limb):
     assert stream(part, inputs, outputs, clock + 20, flags)["newest"] == after
 
 
-@pytest.mark.parametrize("gap", [1, 2, 3, 4])
-def test_accumulator_shows_the_sum_before(gap):
+@pytest.mark.parametrize(
+    ("gap", "cleared"), [(1, False), (1, True), (2, True), (3, True), (4, True)]
+)
+def test_accumulator_shows_the_sum_before(gap, cleared):
     item = Interval(-10, 10)
     plan = AccumulatorPlan(
-        item, at_once(item.bits), item.repeated(5), Limbs(3), item.repeated(4), gap=gap
+        item,
+        at_once(item.bits),
+        item.repeated(5),
+        Limbs(3),
+        item.repeated(4),
+        gap=gap,
+        cleared=cleared,
     )
     part = Accumulator(plan)
     steps = range(0, 30 * gap, gap)

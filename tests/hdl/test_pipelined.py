@@ -196,6 +196,19 @@ def test_operands_are_spread_where_results_lose_no_time_by_it():
     assert pace == [11, 21]
 
 
+def test_a_sum_of_every_clock_has_no_flag_that_restarts_it():
+    """One sample a minor interval: what a sum goes on from is cleared instead."""
+    design = with_hardware(DESIGNS["savage_1p1"], target="ecp5")
+    plan = plan_pipelined(design).schedule
+    assert all(part.cleared for part in plan.integrals.values())
+    assert all(
+        part.cleared for array in plan.arrays.values() for part in array.accumulators.values()
+    )
+    assert not re.search(r"reg restart", emitted(design)[f"{design.name}.v"])
+    other = with_hardware(DESIGNS["stim300_4x5"], target="ecp5")
+    assert re.search(r"reg restart", emitted(other)[f"{other.name}.v"])
+
+
 VARIANTS = [
     ("stim300_4x5", {}),
     ("stim300_4x5", {"target": "ecp5"}),

@@ -1,5 +1,7 @@
 """AccumulatorPlan over a major interval."""
 
+from collections.abc import Callable
+
 from amaranth import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
@@ -18,7 +20,8 @@ class Accumulator(wiring.Component):
     ... from step to step, and `last` comes with all three.
 
     Members:
-        step, last, carry: at `plan.clock`.  `carry`, if there are `signs`, is added to the sum.
+        step, last, carry: at `plan.clock`; where the plan is `cleared`, `last` comes with steps
+            only.  `carry`, if there are `signs`, is added to the sum.
         initial, if the plan has it (`plan.clock`): what a sum starts from, in its first
             step, else 0.
         input: as it arrives.
@@ -55,6 +58,44 @@ class Accumulator(wiring.Component):
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
         step = ControlDelay(m, "step", self.step, plan.clock, inverted=self.inverted)
+        going = Signal(plan.total.bits)  # what the next step adds to
+        before = [going] if plan.cleared else self._before(m, step)
+        found = SkewedSignal(m, "before", Cat(*before), later(plan.arrival, -1 - plan.early))
+        made = add(
+            found,
+            SkewedSignal(m, "input", self.input, plan.item_arrival),
+            "total",
+            plan.total.bits,
+            plan.clock,
+            plan.limb,
+            carry=self.carry if plan.signs else None,
+            step=lambda q: step.at_clock(plan.clock + q),
+            also=self._going(m, step, going) if plan.cleared else None,
+        )
+        m.d.comb += [
+            self.newest.eq(made.value),
+            self.before.eq(found.value[: len(self.before)]),
+        ]
+        return m
+
+    def _going(
+        self, m: Module, step: ControlDelay, going: Signal
+    ) -> Callable[[int, int, int, Value], None]:
+        """What puts each limb into the registers that the sum goes on from, or clears them."""
+        clock = self.plan.clock
+        last = ControlDelay(m, "last", self.last, clock, inverted=self.inverted, apart=True)
+
+        def take(q: int, lo: int, hi: int, made: Value) -> None:
+            with m.If(last.at_clock(clock + q)):
+                m.d.sync += going[lo:hi].eq(0)
+            with m.Elif(step.at_clock(clock + q)):
+                m.d.sync += going[lo:hi].eq(made)
+
+        return take
+
+    def _before(self, m: Module, step: ControlDelay) -> list[Value]:
+        """The limbs of the present sum where it waits, 0 in a sum's first step."""
+        plan = self.plan
         # the newest sum is finished
         attrs = APART if self.apart else {}
         held = Signal(init=int(not self.inverted), name="restart", attrs=attrs)
@@ -84,19 +125,4 @@ class Accumulator(wiring.Component):
             if initial is not None:  # the present sum is 0 where this is not
                 present = present | initial.slice_at(lo, hi, plan.clock + q)
             before.append(present)
-        found = SkewedSignal(m, "before", Cat(*before), later(plan.arrival, -1 - plan.early))
-        made = add(
-            found,
-            SkewedSignal(m, "input", self.input, plan.item_arrival),
-            "total",
-            plan.total.bits,
-            plan.clock,
-            plan.limb,
-            carry=self.carry if plan.signs else None,
-            step=lambda q: step.at_clock(plan.clock + q),
-        )
-        m.d.comb += [
-            self.newest.eq(made.value),
-            self.before.eq(found.value[: len(self.before)]),
-        ]
-        return m
+        return before

@@ -21,6 +21,7 @@ def add(
     subtract: bool = False,
     carry: Value | None = None,
     step: Callable[[int], Value] | None = None,
+    also: Callable[[int, int, int, Value], None] | None = None,
 ) -> SkewedSignal:
     """left + right or left - right, modulo 2^top, in registers that are put into left's module.
 
@@ -37,6 +38,8 @@ def add(
         step: the limb of q clocks later is taken only where step(q) is 1, else kept; it starts from
             0 and is reset.
             Without it a sum is taken at every clock.
+        also: told (q, first bit, end bit, bits) of each limb, as it goes into its register: for
+            another register that takes it at the same clock.
     """
     m = left.m
     low = min(left.low, right.low)
@@ -58,6 +61,8 @@ def add(
         else:
             with m.If(step(q)):
                 m.d.sync += piece.eq(Cat(*bits))
+        if also is not None:
+            also(q, lo, hi, Cat(*bits)[: hi - lo])
         pieces.append(piece[: hi - lo])
         carry = piece[-1] if more else None
         for _ in range(1, limb.clocks if more else 1):

@@ -161,7 +161,7 @@ class Datapath:
         m, plan, control = self.m, self.schedule.integrals[name], self.control[sensor]
         before: Vector = []
         for i, axis in enumerate(AXES):
-            part = Accumulator(plan, inverted=INVERTED[sensor], apart=plan.gap == 1)
+            part = Accumulator(plan, inverted=INVERTED[sensor])
             m.submodules[f"{name}_{axis}"] = part
             m.d.comb += [
                 part.step.eq(control.minor_end.at_clock(plan.clock)),

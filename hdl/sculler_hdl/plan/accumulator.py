@@ -17,6 +17,9 @@ class AccumulatorPlan:
         sums: 1 or 3.
         signs: whether some inputs are to be subtracted; those come inverted, with `carry`.
         initial: whether a sum may start from something else than 0.
+        cleared: whether a single sum that may take a step at every clock goes on in registers of
+            its own, which its last step clears: as many flip-flops more, and no gate before the
+            adder.
 
     Attributes:
         clock: at which `step` is looked at.
@@ -37,6 +40,7 @@ class AccumulatorPlan:
         *,
         signs: bool = False,
         initial: bool = False,
+        cleared: bool = False,
     ) -> None:
         if sums not in (1, 3):
             raise ValueError(f"an accumulator makes 1 or 3 sums, not {sums}")
@@ -48,6 +52,7 @@ class AccumulatorPlan:
         self.gap = gap
         self.signs = signs
         self.initial = initial
+        self.cleared = cleared and sums == 1 and gap == 1 and not initial
         # where steps are far apart the adder is given registers of its own before it
         self.early = int(sums == 1 and gap > 2)
         self.clock = first_limb_clock(arrival, limb) + self.early

@@ -198,7 +198,13 @@ class CrossArrayPlan:
             item, arrival = Interval.signed(total.bits), lowest(arrival, total.bits)
         axes = self.folding.axes
         adder = self.accumulators[name] = AccumulatorPlan(
-            item, arrival, total, self.limb, sums=axes, signs=self.folding.sides == 2
+            item,
+            arrival,
+            total,
+            self.limb,
+            sums=axes,
+            signs=self.folding.sides == 2,
+            cleared=True,
         )
         final = self.steps_of(name)[-1]
         self.results[name] = [

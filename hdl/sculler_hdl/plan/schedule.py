@@ -213,6 +213,7 @@ class Schedule:
                 adders.cut(adders.minor_bits, total),
                 item.repeated(minors - 1),
                 gap=self._minor_gap,
+                cleared=True,
             )
             for name, minor, item, total in (
                 ("alpha", "theta", words.theta, words.alpha),
