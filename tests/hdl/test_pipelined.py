@@ -196,6 +196,15 @@ def test_operands_are_spread_where_results_lose_no_time_by_it():
     assert pace == [11, 21]
 
 
+def test_no_addition_is_long_where_shorter_ones_are_as_soon_done():
+    """16 bits, n = 6: A and B have 32 bits, and 24 clocks are enough for all sums in thirds."""
+    design = make_design("long_taps", 6, 0, 5, (16, 16), hardware={"target": "ecp5"})
+    made = plan_pipelined(design)
+    assert made.schedule.taps["gyro"].result.bits == 32
+    assert max(made.schedule.longest) <= 16
+    assert made.timing.latency <= LATENCY_GOAL
+
+
 def test_a_sum_of_every_clock_has_no_flag_that_restarts_it():
     """One sample a minor interval: what a sum goes on from is cleared instead."""
     design = with_hardware(DESIGNS["savage_1p1"], target="ecp5")

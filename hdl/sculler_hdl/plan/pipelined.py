@@ -94,7 +94,8 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
             f' with algorithm.order = {design.order}: leave one out, or give core = "compact"'
         )
     budget, goal = design.hardware.multipliers, _latency_goal(design)
-    lengths = TARGETS[design.hardware.target].limb_bits
+    target = TARGETS[design.hardware.target]
+    lengths = target.limb_bits
     made: dict[Configuration, Schedule] = {}
     for spacing in _spacings(design):
         for configuration in _configurations(design, spacing):
@@ -123,6 +124,10 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
             adders = best.configuration.adders
             taps = [adders._replace(tap_bits=bits) for bits in lengths]
             best = _slowest(design, spacing, best, taps)
+            if target.long_limb and max(best.longest) > target.long_limb:
+                thirds = product(lengths, lengths, lengths)
+                even = [AdderTiming(*bits, 1) for bits in thirds]
+                best = _slowest(design, spacing, best, even, evenly=True)
             return PipelinedPlan(best, best.timing(spacing))
     least = min(one.block_count for one in made.values())
     raise InputError(
@@ -183,9 +188,17 @@ def _spread(design: Design, spacing: int, schedule: Schedule) -> Schedule:
 
 
 def _slowest(
-    design: Design, spacing: int, schedule: Schedule, timings: Sequence[AdderTiming]
+    design: Design,
+    spacing: int,
+    schedule: Schedule,
+    timings: Sequence[AdderTiming],
+    *,
+    evenly: bool = False,
 ) -> Schedule:
-    """The same folding with the adders that are given most time and that results lose none by."""
+    """The same folding with the adders that are given most time and that results lose none by.
+
+    First of all carries are, then all additions together; or if `evenly` the longest of them.
+    """
     goal = max(_latency_goal(design), schedule.timing(spacing).latency)
     others = (
         Schedule(design, schedule.configuration._replace(adders=adders)) for adders in timings
@@ -195,8 +208,8 @@ def _slowest(
         key=lambda one: (
             max(one.timing(spacing).latency, goal),
             clocks_per_major(design, one.timing(spacing)),
-            -one.configuration.adders.carry_clocks,
-            one.longest,
+            max(one.longest) if evenly else -one.configuration.adders.carry_clocks,
+            sum(one.longest),
             one.timing(spacing).latency,
         ),
     )

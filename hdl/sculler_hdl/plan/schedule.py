@@ -153,8 +153,7 @@ class Schedule:
         engine: of third and fourth order, if there is any; it starts at `engine_clock`.
         tap_clock, minor_clock: at which A and B, theta and v take a sample.
         block_count: multiplier blocks.
-        longest: bits of the longest limbs together: of A and B, of theta to nu, of the products'
-            sums.
+        longest: bits of the longest limb of A and B, of theta to nu, of the products' sums.
         arrivals: for each vector of the result, when the bits of its components are there.
     """
 
@@ -190,10 +189,8 @@ class Schedule:
         if self.engine is not None:
             self.block_count += self.engine.block_count
         minors = (*self.minors.values(), *self.integrals.values())
-        self.longest = (
-            max(part.limb.bits for part in self.taps.values())
-            + max(part.limb.bits for part in minors)
-            + max(array.limb.bits for array in arrays)
+        self.longest = tuple(
+            max(part.limb.bits for part in parts) for parts in (self.taps.values(), minors, arrays)
         )
 
     def _plan_sums(self) -> None:

@@ -21,6 +21,8 @@ class Target:
         multiplier_bits: widths of the two signed operands of one multiplier block.
         limb_bits: longest addition that is done in one clock; after it shorter ones, for where
             there is time to cut additions into more pieces.
+        long_limb: bits of an addition that takes longer than a carry's way to the next limb: where
+            there are longer ones, carries have no clock for themselves.  None: they keep it.
         two_results: whether there are flip-flops to spare for a second result, which gives that
             time where major intervals are short.
         multiplier_cell: the vendor's multiplier block that is instantiated; None leaves the
@@ -33,6 +35,7 @@ class Target:
     name: str
     multiplier_bits: tuple[int, int]
     limb_bits: tuple[int, ...]
+    long_limb: int | None = None
     two_results: bool = False
     multiplier_cell: str | None = None
     memory_cell: str | None = None
@@ -47,6 +50,7 @@ TARGETS = {
             "ecp5",
             (18, 18),
             (42, 32, 26, 21, 16, 12),
+            long_limb=26,
             two_results=True,
             multiplier_cell="MULT18X18D",
             memory_cell="DP16KD",  # its output register is not inferred by synthesis
