@@ -98,7 +98,9 @@ class Sequencer(wiring.Component):
                 then_ends_major.eq((phase == before % n) & (minor == before // n)),
             ]
             with m.If(ends_minor):
-                m.d.sync += minor.eq(Mux(ends_major, 0, (minor + 1)[: len(minor)]))
+                more = (minor + 1)[: len(minor)]
+                # a power of two of them comes to 0 by itself
+                m.d.sync += minor.eq(Mux(ends_major, 0, more) if minors & minors - 1 else more)
 
         if self.design.drops_results:
             m.d.sync += self.sample_ready.eq(1)
