@@ -11,7 +11,7 @@ from sculler import terminal
 from sculler_hdl import timing
 from sculler_model.errors import InputError
 from studies import documents
-from studies.channels.measure import UNITS, Measured, design_of, measure
+from studies.channels.measure import CORES, UNITS, Measured, design_of, measure
 
 PAGE = "channels.md"
 
@@ -23,7 +23,9 @@ _ABOUT = (
     " each shows its words from its own output register. A larger memory has blocks of fewer bits"
     " side by side, up to 16384 words; beyond there are banks of such, and which one it is comes"
     " from a register. What limits the rate with 256 channels of 24 bits is the way from a block's"
-    " register through that choice to the multiplier, four fifths of it wire (`sculler place`)."
+    " register through that choice to the multiplier, four fifths of it wire (`sculler place`). The"
+    " pipelined core is not in these tables, for a placement of it takes long:"
+    " `python -m studies.channels --core pipelined --only 64` places it and shows the rows."
 )
 
 _HEADINGS = (
@@ -53,7 +55,14 @@ _HEADINGS = (
     metavar="C",
     help="Channels of the rows that are shown, and not written; several times for several.",
 )
-def command(folder: Path, counts: tuple[int, ...]) -> None:
+@click.option(
+    "--core",
+    type=click.Choice(CORES),
+    default=CORES[0],
+    show_default=True,
+    help="Which core; the rows of the pipelined one are shown, and not written.",
+)
+def command(folder: Path, counts: tuple[int, ...], core: str) -> None:
     """Place and route cores with 1 to 1024 channels, write channels.md."""
     known = {channels for _, _, these in UNITS.values() for channels in these}
     for channels in counts:
@@ -67,8 +76,8 @@ def command(folder: Path, counts: tuple[int, ...]) -> None:
         if not counts or channels in counts
     ]
     with terminal.progress("placing", len(rows)) as advance:
-        found = [measure(unit, channels, advance) for unit, channels in rows]
-    if counts:
+        found = [measure(unit, channels, core, advance) for unit, channels in rows]
+    if counts or core != CORES[0]:
         terminal.report({}, False, "\n".join(table(found)))
         return
     documents.write_page(folder / PAGE, document(found))
@@ -79,7 +88,7 @@ def table(found: Sequence[Measured]) -> list[str]:
     rows = []
     for one in found:
         placed = one.placement
-        start = timing(design_of(one.unit, one.channels)).startup
+        start = timing(design_of(one.unit, one.channels, one.core)).startup
         rows.append(
             (
                 f"{one.channels}",

@@ -29,6 +29,11 @@ UNITS: dict[str, tuple[dict[str, Any], float, tuple[int, ...]]] = {
 
 SMALL, LARGE = "LFE5U-25F", "LFE5U-85F"
 
+CORES = ("compact", "pipelined")
+
+_BLOCKS = {SMALL: 28, LARGE: 156}
+"""Multiplier blocks."""
+
 
 @dataclass(frozen=True)
 class Measured:
@@ -37,11 +42,13 @@ class Measured:
     Attributes:
         unit: of `UNITS`.
         channels: C.
+        core: of `CORES`.
         placement: what was found.
     """
 
     unit: str
     channels: int
+    core: str
     placement: Placement
 
     @property
@@ -51,37 +58,46 @@ class Measured:
         return 0.0 if rate is None else rate / self.channels
 
 
-def design_of(unit: str, channels: int) -> Design:
-    """The compact core of so many units of a kind: four samples, five minor intervals."""
+def design_of(unit: str, channels: int, core: str = "compact") -> Design:
+    """A core of so many units of a kind: four samples, five minor intervals.
+
+    The pipelined one may have the multiplier blocks of the device that it is to go into.
+    """
     sensor, _, _ = UNITS[unit]
-    short = unit.partition(" ")[0].lower()
+    short, fast = unit.partition(" ")[0].lower(), core == "pipelined"
     return Design.parse(
         {
             "name": f"{short}_{channels}",
             "preset": "stim300",
             "sensor": sensor,
             "algorithm": {"samples": 4, "minors": 5},
-            "hardware": {"core": "compact", "target": "ecp5", "channels": channels},
+            "hardware": {
+                "core": core,
+                "target": "ecp5",
+                "channels": channels,
+                **({"multipliers": _BLOCKS[device_of(unit, channels, core)]} if fast else {}),
+            },
         }
     )
 
 
-def device_of(unit: str, channels: int) -> str:
-    """The small one, where the memories have room in it."""
+def device_of(unit: str, channels: int, core: str = "compact") -> str:
+    """The small one, where the memories and multiplier blocks have room in it."""
     sensor, _, _ = UNITS[unit]
+    if core == "pipelined":
+        return SMALL if "gyro" in sensor and channels <= 256 else LARGE
     words = 64 if "gyro" in sensor else 128
     blocks = channels * (128 + words) / 1024
     return SMALL if blocks < 50 else LARGE
 
 
-def measure(unit: str, channels: int, advance: Advance = silent) -> Measured:
+def measure(unit: str, channels: int, core: str = "compact", advance: Advance = silent) -> Measured:
     """Synthesise, place and route.
 
     Raises:
         InputError: Yosys or nextpnr is not installed.
         ToolError: one of them failed.
     """
-    device, speed = find_device(device_of(unit, channels), None)
-    return Measured(
-        unit, channels, place(design_of(unit, channels), device, speed, SEEDS, done=advance)
-    )
+    device, speed = find_device(device_of(unit, channels, core), None)
+    design = design_of(unit, channels, core)
+    return Measured(unit, channels, core, place(design, device, speed, SEEDS, done=advance))

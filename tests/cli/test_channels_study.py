@@ -45,6 +45,19 @@ def test_an_unknown_row_is_refused() -> None:
     assert "give one of 1, 4, 16" in str(done.exception)
 
 
+def test_the_pipelined_core_may_have_the_blocks_of_its_device() -> None:
+    """28 in an LFE5U-25F, 156 in an LFE5U-85F."""
+    mems, fine = UNITS
+    for unit, channels, device, blocks in (
+        (mems, 256, SMALL, 28),
+        (mems, 1024, LARGE, 156),
+        (fine, 4, LARGE, 156),
+    ):
+        hardware = design_of(unit, channels, "pipelined").hardware
+        assert device_of(unit, channels, "pipelined") == device
+        assert (hardware.core, hardware.multipliers) == ("pipelined", blocks)
+
+
 def test_a_netlist_of_channels_is_not_checked(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
