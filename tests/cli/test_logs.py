@@ -5,12 +5,15 @@ from __future__ import annotations
 import io
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from sculler.formats.lines import BLOCK_BYTES
 from sculler.formats.log import Chunk, LogWriter, read_log
+from sculler.formats.log_text import _Layout, _nanoseconds
 from sculler.formats.plain_rows import parse
 from sculler_model.design import Design
 from sculler_model.errors import InputError
@@ -207,6 +210,13 @@ def of_three(design: Design) -> Design:
     return Design.parse(data | {"hardware": {"core": "compact", "channels": 3}})
 
 
+def test_a_log_of_three_units_is_not_read_as_one_units(tmp_path: Path, small: Design) -> None:
+    path = text(tmp_path, f"{HEADER},channel\n{ROW},2\n")
+    with pytest.raises(InputError, match=r"a log of 3 channels is read by model and simulate"):
+        next(read_log(path, of_three(small)))
+    assert whole(list(read_log(path, of_three(small), channels=True))).channels == [2]
+
+
 @pytest.mark.parametrize("seed", range(30))
 def test_columns_of_any_layout_come_back(tmp_path: Path, small: Design, seed: int) -> None:
     """Any of the optional columns, in any order, of one unit and of three."""
@@ -392,11 +402,77 @@ def test_decimals_are_the_nearest_floats() -> None:
     assert not got.whole[:, 1].any()
 
 
+@pytest.mark.parametrize("origin", [1403636579, 2**33, 0, -5])
+def test_nanoseconds_are_those_of_the_decimals(origin: int) -> None:
+    """What compiled loops print: rounded as the exact product, or left to others where unsure."""
+    rng = np.random.default_rng(4)
+    times = np.concatenate([np.arange(400) / 2000, rng.uniform(0, 100, 400), [0.0, 6.0, 1e6]])
+    halves = (rng.integers(0, 2**40, 50) + 0.5) / 1e9
+    if origin < 0:
+        assert _nanoseconds(times[:9], origin) is None  # some come before 0
+        times = times[times > 5]
+    found = _nanoseconds(times, origin)
+    assert found is not None
+    exact = [round(Fraction(time) * 10**9) + origin * 10**9 for time in times.tolist()]
+    assert found.tolist() == exact
+    assert _nanoseconds(np.array([1.0, 1.1e6]), origin) is None
+    assert _nanoseconds(np.array([1.0]), 10**10) is None
+    for time in halves.tolist():
+        told = _nanoseconds(np.array([6.0, time]), max(origin, 0))
+        near = round(Fraction(time) * 10**9) + max(origin, 0) * 10**9
+        assert told is None or told[1] == near
+
+
 def test_places_of_narrow_digits_do_not_wrap() -> None:
     """Under numpy 1 a byte times a small 64-bit scalar is a byte: -300 came out as -44."""
     got = parse(b"1000,-300,26,999,-4096,123456\n", 6)
     assert got is not None
     assert got.whole.tolist() == [[1000, -300, 26, 999, -4096, 123456]]
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz"])
+def test_a_log_has_the_columns_that_are_asked_for_and_no_others(
+    tmp_path: Path, ending: str
+) -> None:
+    """Its other columns by default none; faults that nobody tells are 0."""
+    counts, two = np.arange(12).reshape(2, 6), np.array([2, 0])
+    options = {
+        "faults": ("fault", None, [0, 0]),
+        "times": ("time_s", np.array([0.5, 1.5]), [0.5, 1.5]),
+        "channels": ("channel", two, [2, 0]),
+        "restarts": ("restart", np.array([0, 1], np.uint8), [0, 1]),
+    }
+    for option in ("", *options):
+        path = tmp_path / f"log{option}.{ending}"
+        chosen = {option: True} if option else {}
+        with LogWriter(path, **chosen) as writer:
+            writer.write(counts, **({option: options[option][1]} if option else {}))
+        wanted = dict(zip(HEADER.split(","), counts.T.tolist(), strict=True))
+        if option:
+            wanted[options[option][0]] = options[option][2]
+        if ending == "npz":
+            found = {name: column.tolist() for name, column in np.load(path).items()}
+        else:
+            header, *rows = (line.split(",") for line in path.read_text().splitlines())
+            columns = zip(*([float(cell) for cell in row] for row in rows), strict=True)
+            found = {name: list(column) for name, column in zip(header, columns, strict=True)}
+        assert found == wanted
+
+
+@pytest.mark.parametrize("taken", [1, 0])
+def test_what_the_loops_do_not_take_is_read_without_them(small: Design, taken: int) -> None:
+    """Loops that read one line as sixes, and say that they have read it, or that they have not."""
+
+    def scan_log(*arguments: Any) -> int:
+        arguments[5][:] = 6  # the counts
+        return taken
+
+    layout = _Layout("log.csv", small)
+    layout.read_header(HEADER.encode())
+    loops: Any = SimpleNamespace(scan_log=scan_log, lower=None)
+    chunk = layout.read(f"{ROW}\n".encode(), 2, loops)
+    assert chunk.counts.tolist() == [[6] * 6 if taken else [1, -2, 3, -4, 5, -6]]
+    assert chunk[1:] == (None,) * 5
 
 
 def test_a_writer_wants_stamps_exactly_where_it_has_the_column(tmp_path: Path) -> None:

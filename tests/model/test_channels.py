@@ -122,6 +122,9 @@ def test_a_sample_that_says_no_more_is_sound_and_goes_on():
     ((channel, result),) = ChannelModel(design).run([ChannelSample(1, (1, 0, 0), (0, 0, 2))] * 20)
     assert (channel, result.status) == (1, 0)
     assert (result.alpha, result.nu) == ((20, 0, 0), (0, 0, 40))
+    model = ChannelModel(design)
+    stepped = [model.step(1, (1, 0, 0), (0, 0, 2)) for _ in range(20)]
+    assert stepped == [None] * 19 + [result]
 
 
 @pytest.mark.parametrize("chunk", [7, 64, 10_000])

@@ -22,6 +22,7 @@ from sculler_model.navigation import (
     exact_increments,
 )
 from sculler_model.navigation.compiled import compiled_run
+from sculler_model.navigation.height import HeightKeeper
 
 Array = NDArray[np.float64]
 
@@ -166,6 +167,32 @@ def test_where_there_is_no_height_the_loop_rests(kind: str) -> None:
     found = carrier(kind, start, T, 20.0).run(replace(increments, heights=old))
     assert np.abs(np.diff(found.v[101:, 2], 2)).max() < 1e-7  # falls evenly from 10 s on
     assert np.abs(np.diff(found.v[20:90, 2], 2)).max() > 1e-6
+
+
+def test_a_height_ages_until_it_is_held_to_no_longer() -> None:
+    """Measured 0.25 s before an interval, of 0.1 s each, and held to for 0.5 s."""
+    for ahead in (True, False):
+        keeper = HeightKeeper(HeightDamping(300.0, 20.0, hold=0.5), 0.1)
+        assert keeper.ahead(3).tolist() == [[300.0, 0.0]]  # one row for all
+        keeper.measured(310.0, 0.25)
+        found = keeper.ahead(4).tolist() if ahead else [list(keeper.held)]
+        while len(found) < 4:
+            keeper.passed()
+            found.append(list(keeper.held))
+        assert [height for height, _ in found] == [310.0, 310.0, 310.0, 0.0]
+        assert [age for _, age in found] == pytest.approx([0.25, 0.35, 0.45, -1.0])
+        keeper.passed()
+        assert keeper.held == (0.0, -1.0)
+
+
+def test_a_stream_forgets_what_lies_far_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of nine values with room for twice three, the last three are kept."""
+    monkeypatch.setattr(HeightReference, "KEPT", 3)
+    reference = HeightReference()
+    for second in range(9):
+        reference.add(second, 100.0 + second)
+    found = reference.at([5.5, 6.0, 7.5, 9.0]).tolist()
+    assert found == [[0.0, -1.0], [106.0, 0.0], [107.0, 0.5], [108.0, 1.0]]
 
 
 def test_a_stream_of_values() -> None:

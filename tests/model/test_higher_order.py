@@ -355,15 +355,15 @@ def test_next_orders_are_what_follows() -> None:
     """δ after γ, ε + ζ after δ: all terms of T⁵, and of T⁷, of a rate of any three powers."""
     rates = [[Fraction(x, 4) for x in axis] for axis in ((3, -1, 4), (1, 5, -9), (-2, 6, 5))]
     left: dict[int, list[float]] = {3: [], 4: []}
-    for size in (Fraction(1, 4), Fraction(1, 8)):
+    for size in (Fraction(1, 256), Fraction(1, 512)):
         orders = polynomial_orders(rates, size, 6)
         known = [(np.array([order], float), np.zeros((1, 3))) for order in orders]
         after = {3: orders[3], 4: [a + b for a, b in zip(orders[4], orders[5], strict=True)]}
         for given, true in after.items():
             found, _ = next_orders(known[:given])
             left[given].append(float(np.abs(found - np.array([true], float)).max()))
-    assert 100 < left[3][0] / left[3][1] < 150  # T⁷
-    assert 400 < left[4][0] / left[4][1] < 600  # T⁹
+    assert left[3][0] / left[3][1] == pytest.approx(2**7, rel=0.02)
+    assert left[4][0] / left[4][1] == pytest.approx(2**9, rel=0.02)
 
 
 def test_next_orders_of_velocity_are_those_of_the_angle_turned_once() -> None:

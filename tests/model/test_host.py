@@ -114,6 +114,29 @@ def test_increments_are_the_formulas_of_the_page(kind: str, samples: int, size: 
         assert np.allclose(found.dv_sf[at], expected, rtol=1e-13, atol=1e-15)
 
 
+@pytest.mark.parametrize("position", ["trapezoidal", "high-resolution"])
+def test_first_order_is_half_a_cross_product(position: str) -> None:
+    """Savage-98 Eq. 39 and 86, without the exact rotation and higher orders."""
+    design = fine_design(1, 1, 5, 500.0, 2e-6, 1e-4, position=position)
+    high = position == "high-resolution"
+    rows = np.random.default_rng(6).integers(-(10**4), 10**4, (4, 27 if high else 18))
+    block = block_of(rows)
+    found = major_increments(design, block, rotation="first-order")
+    plain, T = uncorrected(design, block), design.sample_interval
+    alpha, upsilon = plain.alpha, 1e-4 * rows[:, 9:12] / design.table.sum_denominator
+    Dc, Dw = design.table.denominator, design.table.sum_denominator
+    sculling = 1e-4 * 2e-6 * (rows[:, 12:15] / Dc + rows[:, 15:18] / (2 * Dw * Dw))
+    expected = upsilon + 0.5 * np.cross(alpha, upsilon) + sculling
+    assert np.allclose(found.dv_sf, expected, rtol=1e-12, atol=1e-16)
+    assert np.array_equal(found.phi, major_increments(design, block).phi)
+    assert (found.dr_sf is not None) == high
+    if found.dr_sf is not None:
+        s_alpha, s_upsilon = 2e-6 * T * rows[:, 18:21] / 12, 1e-4 * T * rows[:, 21:24] / 12
+        turned_sums = np.cross(s_alpha, upsilon) + np.cross(alpha, s_upsilon)
+        way = s_upsilon + turned_sums / 6 + 1e-4 * 2e-6 * T * rows[:, 24:27] / 4320
+        assert np.allclose(found.dr_sf, way, rtol=1e-12, atol=1e-18)
+
+
 def test_uncorrected_drops_only_coning_and_sculling() -> None:
     design = fine_design(4, gyro_lsb=1e-7, accel_lsb=1e-4)
     rows = np.random.default_rng(3).integers(-1000, 1000, (5, 18))

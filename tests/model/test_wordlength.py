@@ -23,6 +23,7 @@ from sculler_model.design import (
     range_of_sum,
     word_lengths,
 )
+from sculler_model.errors import InputError
 from sculler_model.golden import GoldenModel
 from strategies import DESIGNS, designs, make_design, random_counts
 
@@ -264,6 +265,21 @@ def test_second_order_without_position_is_what_is_not_asked_for() -> None:
     found = word_lengths(24, 24, 5, table)
     assert found == word_lengths(24, 24, 5, table, False, 2) == DESIGNS["stim300_4x5"].words
     assert found.s_alpha is found.coning_third is None
+
+
+def test_results_of_512_bits_are_the_widest() -> None:
+    """Sculling sums four products of a tap of 2^k and two counts of 8 bits: k + 17 bits."""
+    counts = {"bits": 8, "lsb": 1e-6}
+    sensor = {"kind": "increment", "sample_rate_hz": 100.0, "gyro": counts, "accel": counts}
+
+    def made(k: int) -> Design:
+        table = {"denominator": 3, "taps": [[], [2**k]]}
+        algorithm = {"samples": 2, "minors": 1, "family": "table", "table": table}
+        return Design.parse({"name": "wide", "sensor": sensor, "algorithm": algorithm})
+
+    assert made(495).words.sculling_within.bits == 512
+    with pytest.raises(InputError, match="sculling_within would have 513 bits, more than the 512"):
+        made(496)
 
 
 class TestHighResolutionPosition:

@@ -232,6 +232,13 @@ def test_report_says_what_rounding_cost_and_what_is_left() -> None:
     [manoeuvres] = parse(family="uncompressed").made.report()
     assert "a + b < 5 vanishes" in manoeuvres
     assert "g0×g5: -64/63" in manoeuvres
+    # 2/3 of θ1 × θ2: 7/3 for 12/5 of g0 × g3, and 4/9 for 8/15 of g1 × g2
+    assert parse(family="uncompressed", samples=2).made.report() == [
+        "Manoeuvres ω = Σ g_a τ^a: every term g_a × g_b with a + b < 3 vanishes;"
+        " left per minor interval (τ in samples): g0×g3: -1/15, g1×g2: -4/45."
+    ]
+    [manoeuvres] = parse(family="uncompressed", samples=5).made.report()
+    assert "a + b < 5 vanishes, and g1×g4; left per minor interval" in manoeuvres
 
 
 def test_a_table_of_the_users_own_is_not_computed() -> None:

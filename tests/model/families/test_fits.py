@@ -23,7 +23,7 @@ from sculler_model.algorithms import (
     frequency_taylor,
 )
 from sculler_model.algorithms.lattice import closest_integers, search
-from sculler_model.algorithms.least_squares import round_taps
+from sculler_model.algorithms.least_squares import _points, round_taps
 from sculler_model.analysis.drift import filtered_residual
 from sculler_model.errors import InputError
 
@@ -46,6 +46,14 @@ def flat(low: float, high: float, points: int = 4001) -> NDArray[np.float64]:
 
 def compressed(n: int, taps: list[Fraction]) -> TapTable:
     return TapTable.from_rationals([*[[]] * (n - 1), taps], [Q(1)] * n)
+
+
+def test_four_panels_to_a_ripple_and_sixteen_to_a_band() -> None:
+    """Up to half the rate cos 17λ, the fastest with 8 taps over 8 samples, has 8½ ripples."""
+    for high, panels in ((RATE / 2, 34), (Q(10), 16)):
+        points = _points(Balance(8), 8, Band(Q(0), high), RATE)
+        middles = points.hertz[1::3]
+        assert middles == [(Q(1, 2) + k) * high / panels for k in range(panels)]
 
 
 @pytest.mark.parametrize(
