@@ -61,7 +61,8 @@ def _introduction(found: Found, count: int, draws: int, seed: int) -> Iterator[s
         " other operations, counts no more than a number. What is compiled by Numba runs as plain"
         f" Python, of the same source. A run has {CPU_FACTOR} times the CPU time that the tests"
         f" take without a mutant, and {CPU_MORE} s: a mutant that never ends is killed. Hypothesis"
-        " gives the same examples in every run."
+        " gives the same examples in every run. Where a source has changed since this page was"
+        " written, the command draws other places of that subject."
     )
     missing = [f"`{name}`" for name in SUBJECTS if name not in found]
     if missing:

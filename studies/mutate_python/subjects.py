@@ -50,26 +50,23 @@ DRAWS = ("First", "Second", "Third", "Fourth", "Fifth")
 _KERNEL = ("wide_5p0", "1p1-True")
 """Cases that go through the fast model's kernel, which Python without Numba cannot run."""
 
-_LOOPS = ("floats_are", "any_vectors", "any_foreign", "states_and_truths")
-"""Tests of the loops over text that are not about logs: in Python they take minutes."""
-
 _HOURS = ("an_hour_of_flight",)
 """A test that needs Numba to end in a minute."""
 
 SUBJECTS = {
     "golden": Subject(
         _sources(f"{_MODEL}/golden", "reference compensation channels"),
-        _tests("model", "golden channels compensation higher_order high_resolution"),
+        _tests("model", "golden channels compensation higher_order high_resolution values"),
         _TWIN,
     ),
     "wordlength": Subject(
         _sources(f"{_MODEL}/design", "word_lengths interval higher_order_words"),
-        _tests("model", "wordlength higher_order high_resolution"),
+        _tests("model", "wordlength higher_order high_resolution values"),
         _TWIN,
     ),
     "cycles": Subject(
         _sources(f"{_MODEL}/golden", "cycles stream throughput channel_cycles"),
-        _tests("model", "stream throughput cycles_clocking hardening cycles channels"),
+        _tests("model", "stream throughput cycles_clocking hardening cycles channels values"),
         _TWIN,
     ),
     "coefficients": Subject(
@@ -81,6 +78,7 @@ SUBJECTS = {
         (
             *_tests("model", "coefficients scrolling higher_order"),
             *_tests("model/families", "parabola manoeuvres fits"),
+            *_tests("model", "values"),
         ),
         _TWIN,
     ),
@@ -93,6 +91,7 @@ SUBJECTS = {
             *_tests("model/families", "response fits families design_keys manoeuvres parabola"),
             *_tests("model", "compensation"),
             *_tests("model/analysis", "behind_filters"),
+            *_tests("model", "values"),
         ),
         _TWIN,
     ),
@@ -104,7 +103,7 @@ SUBJECTS = {
         (
             *_tests("model", "host_series host third_order_host calibration scaling_compiled"),
             *_tests("model", "whole_intervals velocity_orders high_resolution increments_of"),
-            *_tests("model", "compensation higher_order"),
+            *_tests("model", "compensation higher_order values"),
             *_tests("model/analysis", "manoeuvre"),
         ),
         (*_TWIN, *_KERNEL, "kept_on_disk"),
@@ -116,10 +115,11 @@ SUBJECTS = {
             " gravity height navigator sensor_noise state stepping wander",
         ),
         (
-            *_tests("model", "limits exact gravity height_reference navigator wander alignment"),
+            *_tests("model", "limits exact gravity height_reference navigator alignment"),
             *_tests("model", "alignment_covariance alignment_sigmas fine_alignment"),
             *_tests("model", "whole_intervals high_resolution"),
             *_tests("cli", "attitude_only"),
+            *_tests("model", "values alternatives wander"),
         ),
         _HOURS,
     ),
@@ -128,12 +128,15 @@ SUBJECTS = {
             *_sources(_FORMATS, "comparison"),
             *_sources(f"{_MODEL}/navigation", "comparison errors interpolation"),
         ),
-        (*_tests("model", "navigation_errors"), *_tests("cli", "binary_files channels instants")),
+        (
+            *_tests("model", "navigation_errors values"),
+            *_tests("cli", "binary_files channels instants"),
+        ),
         _CHAIN,
     ),
     "logs": Subject(
         _sources(_FORMATS, "log log_columns log_table log_text lines plain_rows"),
-        _tests("cli", "logs binary_files log_time channels compiled_text"),
-        (*_CHAIN, *_LOOPS),
+        _tests("cli", "logs binary_files log_time channels"),
+        _CHAIN,
     ),
 }
