@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import gc
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import nullcontext
 
 import pytest
 from amaranth.back import rtlil
-from amaranth.hdl import Cat, DriverConflict, Elaboratable, Module, Signal, _nir
+from amaranth.hdl import Cat, DriverConflict, Elaboratable, Module, Signal, _ast, _nir
 
 from sculler_hdl.core import build_core
 from sculler_hdl.export.netlist import _REPLACED, quick_netlists, rtlil_text
@@ -46,6 +48,26 @@ def test_the_text_is_the_same(name: str) -> None:
     assert rtlil_text(design, name) == plain
     assert all(f"module \\{path}\n" in plain for path in parts)
     assert _present() == BEFORE
+
+
+def test_what_is_done_with_is_let_go_at_once() -> None:
+    """Not when Python looks for garbage, in which a large core's would stay until then."""
+    large = _ast.Assign, _nir.Operator, _nir.FlipFlop, rtlil.Wire, rtlil.Cell
+
+    def held() -> list[int]:
+        counts = Counter(map(type, gc.get_objects()))
+        return [counts[each] for each in large]
+
+    gc.collect()
+    before = held()
+    gc.disable()
+    try:
+        design, _ = prepared(build_core(DESIGNS["smallest"]), "smallest")
+        rtlil_text(design, "smallest")
+        after = held()
+    finally:
+        gc.enable()
+    assert after == before
 
 
 def test_a_loop_of_bits_is_found_and_one_of_cells_alone_is_none() -> None:

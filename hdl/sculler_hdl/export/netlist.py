@@ -6,6 +6,8 @@ made of to find combinational loops.  A large core has a million.  While `quick_
 
 * bits are joined without that look, and names of bits are looked up when a message needs them
   (`netlist_bits`);
+* slices and what is joined, of which most values are made, are told by their types alone, and stay
+  the same objects where clock domains are put in;
 * loops are sought among whole cells first: a loop of bits runs through cells that make a loop, so
   where cells make none there is none.  Where they do, Amaranth's own search decides;
 * of the bits that stay in their module nothing is kept when ports of modules are found;
@@ -24,7 +26,7 @@ from typing import Any
 from unittest.mock import patch
 
 from amaranth.back import rtlil
-from amaranth.hdl import _ast, _ir, _nir
+from amaranth.hdl import _ast, _ir, _nir, _xfrm
 
 from sculler_hdl.export import netlist_bits
 
@@ -53,8 +55,10 @@ def rtlil_text(design: Any, name: str) -> str:
             made = alone.module(".".join(module.name))
             if index == 0:
                 made.attribute("top", 1)
-            rtlil.ModuleEmitter(made, netlist, module, names, empty_checker=empty).emit()
+            emitter = rtlil.ModuleEmitter(made, netlist, module, names, empty_checker=empty)
+            emitter.emit()
             texts.append(str(alone))
+            vars(emitter).clear()
     return "".join(texts)
 
 
@@ -233,8 +237,14 @@ _REPLACED: dict[Any, dict[str, Any]] = {
     },
     _ir.NetlistEmitter: {
         "emit_signal": netlist_bits.emit_signal,
+        "emit_rhs": netlist_bits.emit_rhs,
         "extend": netlist_bits.extend,
         "connect": netlist_bits.connect,
+    },
+    _ir.Design: {"_collect_used_signals_value": netlist_bits.collect_used_signals},
+    _xfrm.ValueTransformer: {
+        "on_Slice": netlist_bits.on_slice,
+        "on_Concat": netlist_bits.on_concat,
     },
     rtlil.ModuleEmitter: {"sigspec": netlist_bits.sigspec},
     _ir: {"_compute_net_flows": _compute_net_flows},

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import _ir, _nir
+from amaranth.hdl import _ast, _ir, _nir
 
 _CONSTANTS = _nir.Net(0), _nir.Net(1)
+_emit_rhs = _ir.NetlistEmitter.emit_rhs
+_collect_used_signals_value = _ir.Design._collect_used_signals_value
 
 
 def from_const(bit: int) -> Any:
@@ -85,6 +87,23 @@ def emit_signal(emitter: Any, signal: Any) -> Any:
     return signals[signal]
 
 
+def emit_rhs(emitter: Any, module: int, value: Any) -> Any:
+    """As `NetlistEmitter.emit_rhs`: the nets of a value, and whether it is signed.
+
+    Slices and what is joined, which most are, are told by their types alone.
+    """
+    kind, cache = type(value), emitter.rhs_cache
+    if kind is not _ast.Slice and kind is not _ast.Concat:
+        return _emit_rhs(emitter, module, value)
+    if id(value) not in cache:
+        if kind is _ast.Slice:
+            nets = emitter.emit_rhs(module, value.value)[0][value.start : value.stop]
+        else:
+            nets = [net for part in value.parts for net in emitter.emit_rhs(module, part)[0]]
+        cache[id(value)] = _nir.Value(nets), False, value
+    return cache[id(value)][:2]
+
+
 def extend(emitter: Any, nets: Any, signed: bool, width: int) -> Any:
     """As `NetlistEmitter.extend`: by the sign or by zeros, to `width` bits at least."""
     missing = width - len(nets)
@@ -154,3 +173,33 @@ def sigspec(emitter: Any, *parts: Any) -> str:
             place += 1
         chunks.append(f"{wire.name} [{low}]" if high == low else f"{wire.name} [{high}:{low}]")
     return chunks[0] if len(chunks) == 1 else "{ " + " ".join(reversed(chunks)) + " }"
+
+
+def on_slice(lowerer: Any, whole: Any) -> Any:
+    """As `ValueTransformer.on_Slice`; a slice of what stays as it is stays too.
+
+    Operators are made anew each time, as Amaranth does it, so that no two uses share a cell.
+    """
+    inner = lowerer.on_value(whole.value)
+    return whole if inner is whole.value else _ast.Slice(inner, whole.start, whole.stop)
+
+
+def on_concat(lowerer: Any, whole: Any) -> Any:
+    """As `ValueTransformer.on_Concat`; what is joined of parts that stay stays too."""
+    parts = [lowerer.on_value(part) for part in whole.parts]
+    same = all(new is old for new, old in zip(parts, whole.parts, strict=True))
+    return whole if same else _ast.Concat(parts)
+
+
+def collect_used_signals(design: Any, fragment: Any, value: Any) -> None:
+    """As `Design._collect_used_signals_value`: marks the signals of a value as used."""
+    kind = type(value)
+    if kind is _ast.Signal:
+        design._use_signal(fragment, value)
+    elif kind is _ast.Slice:
+        design._collect_used_signals_value(fragment, value.value)
+    elif kind is _ast.Concat:
+        for part in {id(part): part for part in value.parts}.values():
+            design._collect_used_signals_value(fragment, part)
+    else:
+        _collect_used_signals_value(design, fragment, value)

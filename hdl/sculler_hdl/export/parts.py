@@ -8,12 +8,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from amaranth import Value
+from amaranth import Module, Value
 from amaranth.hdl import Fragment
 from amaranth.hdl._ir import PortDirection
 from amaranth.lib import wiring
 
 from sculler_hdl.export.hierarchy import PLAIN_WORDS
+from sculler_hdl.export.netlist import quick_netlists
 
 
 @dataclass(frozen=True)
@@ -49,11 +50,22 @@ def prepared(component: wiring.Component, name: str) -> tuple[Any, dict[str, Par
         ports["__".join(map(str, path))] = (Value.cast(signal), direction)
     fragment = Fragment.get(component, None)
     parts = dict(_below(fragment, name))
-    design = fragment.prepare(ports=ports, hierarchy=(name,))
+    _empty_modules(fragment)
+    with quick_netlists():
+        design = fragment.prepare(ports=ports, hierarchy=(name,))
     design.elaboratables.clear()
     for each in design.fragments:  # nor is what they were made from
         each.origins = None
     return design, parts
+
+
+def _empty_modules(fragment: Fragment) -> None:
+    """Let go what Amaranth's modules hold, which refer to themselves and would stay."""
+    for origin in fragment.origins or ():
+        if isinstance(origin, Module):
+            vars(origin).clear()
+    for part, _, _ in fragment.subfragments:
+        _empty_modules(part)
 
 
 def _below(fragment: Fragment, path: str) -> Iterator[tuple[str, Part]]:
