@@ -1,6 +1,8 @@
 """A core with a change that an input asks for, beside itself without: one output tells them apart.
 
 What the change cannot reach, by any number of clocks, is there once: that leaves little to prove.
+More can be there once: if nothing but what the change reaches in few clocks ever differs, no output
+does.
 """
 
 from __future__ import annotations
@@ -28,12 +30,14 @@ class Circuit:
     outputs: list[int]
     names: dict[str, str]
 
-    def reached(self, nodes: set[int]) -> set[int]:
-        """These nodes and all that depend on them, through latches too."""
+    def reached(self, nodes: set[int], clocks: int | None = None) -> set[int]:
+        """These nodes and all that depend on them, through so many latches; None: any number."""
         found, before = set(nodes), 0
         first = 1 + self.inputs
-        while len(found) > before:
+        passed = -1
+        while len(found) > before and passed != clocks:
             before = len(found)
+            passed += 1
             found |= {first + i for i, lit in enumerate(self.latches) if lit >> 1 in found}
             for node, (a, b) in enumerate(self.ands, first + len(self.latches)):
                 if a >> 1 in found or b >> 1 in found:
@@ -101,18 +105,21 @@ class _Maker:
         return self.either([self.both(a, b ^ 1), self.both(a ^ 1, b)])
 
 
-def write_miter(circuit: Circuit, choice: str, path: Path) -> None:
+def write_miter(circuit: Circuit, choice: str, path: Path, clocks: int | None = None) -> None:
     """Write a circuit whose one output is high where the two differ at their ports.
 
-    Ports whose names begin with result_ count while result_valid is high.
+    Ports whose names begin with result_ count while result_valid is high.  Registers that the
+    change reaches in more clocks than given are there once, and the output is high where they
+    would become different, too: it may be high then though the ports never differ.
 
     Args:
         circuit: the core.
         choice: name of the input that is 0 in the core as it is, and anything beside it.
         path: of the AIGER file.
+        clocks: as above; None for any number.
     """
     asked = {1 + int(key[1:]) for key, name in circuit.names.items() if _of(name) == choice}
-    reached = circuit.reached(asked)
+    reached = circuit.reached(asked, clocks)
     first = 1 + circuit.inputs
     doubled = [i for i in range(len(circuit.latches)) if first + i in reached]
     maker = _Maker(circuit.inputs, len(circuit.latches) + len(doubled))
@@ -130,7 +137,9 @@ def write_miter(circuit: Circuit, choice: str, path: Path) -> None:
         )
     latches = [same[lit >> 1] ^ lit & 1 for lit in circuit.latches]
     latches += [other[lit >> 1] ^ lit & 1 for lit in (circuit.latches[i] for i in doubled)]
-    told = maker.either(list(_differences(circuit, same, other, maker)))
+    once = [lit for i, lit in enumerate(circuit.latches) if first + i not in reached]
+    parted = [maker.differ(same[lit >> 1], other[lit >> 1]) for lit in once]
+    told = maker.either([*_differences(circuit, same, other, maker), *parted])
     _write(Circuit(circuit.inputs, latches, maker.ands, [told], {}), path)
 
 

@@ -53,7 +53,8 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
     yield documents.paragraph(
         "A change of the gates that lives is held against the core by ABC's model checker, from"
         " power-up and for all inputs: it is *equivalent*, or it *differs*, and then the bench has"
-        " a gap, or this is left *open*."
+        " a gap, or this is left *open*. First it is tried whether any register but those that the"
+        " change reaches in one or two clocks can ever differ: if none can, no output can."
         + _given(found)
         + " It *differs* too if the bench fails it once it is a hundred times as long."
     )

@@ -182,6 +182,28 @@ def test_a_change_shows_a_clock_later_and_where_a_result_is_valid(shown, told, t
     assert found == told
 
 
+@pytest.mark.parametrize(
+    ("second", "clocks", "latches", "told"),
+    [(10, 1, 4, [0, 1, 1]), (11, 1, 4, [0, 0, 0]), (10, None, 5, [0, 0, 1]), (10, 2, 5, [0, 0, 1])],
+)
+def test_registers_beyond_so_many_clocks_are_there_once_and_must_not_part(
+    second, clocks, latches, told, tmp_path
+) -> None:
+    """The changed latch, `a and not choice`, reaches the shown one where the last `a` lets it.
+
+    Where that is its opposite, nothing reaches it.  a is always 1, and the change always chosen.
+    """
+    made = Circuit(2, [2 * 6, 2 * 7, 2], [(2, 4 ^ 1), (6, second)], [10, 8], NAMES)
+    write_miter(made, "choice", tmp_path / "few.aig", clocks)
+    made = read(tmp_path / "few.aig")
+    assert len(made.latches) == latches
+    state, found = [0] * latches, []
+    for _ in range(3):
+        (output,), state = values(made, state, [1, 1])
+        found.append(output)
+    assert found == told
+
+
 def test_a_circuit_is_read_as_it_is_written_down(tmp_path) -> None:
     """Of an AND: 8 - 5 = 3, 5 - 2 = 3."""
     text = b"aig 4 2 1 1 1\n8\n9\n\x03\x03i0 a\no0 result_valid\nc\nmade by hand\n"
