@@ -19,6 +19,9 @@ from studies.mutate.equivalence import EQUIVALENT, compare
 from studies.mutate.microprogram import NotFollowedError, same_results
 from studies.mutate.mutants import Mutants, mutants, of_program, place, with_unknown
 
+FAIL = "FAIL"
+"""What the bench's line begins with where it fails."""
+
 UNUSED = "unused"
 """Of a bit of the microprogram that may be unknown, with all the others of which this is said."""
 
@@ -46,8 +49,8 @@ class Judged:
 
     @property
     def killed(self) -> bool:
-        """Whether the bench failed in both simulators."""
-        return not (self.verilator.startswith("PASS") or self.icarus.startswith("PASS"))
+        """Whether the bench failed in both simulators; one that did not end says nothing."""
+        return self.verilator.startswith(FAIL) and self.icarus.startswith(FAIL)
 
     @property
     def settled(self) -> bool:
@@ -185,7 +188,7 @@ def _longer(
         bench = build(design, changed.verilog, texts, Path(work))
         return [
             replace(each, proof=LONGER)
-            if not each.settled and not bench.run("verilator", number).startswith("PASS")
+            if not each.settled and bench.run("verilator", number).startswith(FAIL)
             else each
             for number, each in enumerate(found, start=1)
         ]
