@@ -161,5 +161,7 @@ def _limits() -> Iterator[str]:
         " the microprogram lies in a block of the device (`compact_ecp5`), its bits are not turned"
         " over: it is of the kind of `compact_plain`'s. Equivalent is said of the ports from"
         " power-up, for every input; a mutant may still differ inside, as where a bit of a sum can"
-        " never be high."
+        " never be high. Where nothing is written into a memory, address and data are unknown (x)"
+        " in the netlist: if a bit's write enable is held at 1, Verilator writes there and fails,"
+        " Icarus Verilog writes nothing and passes. Such a change counts as one that lives."
     )
