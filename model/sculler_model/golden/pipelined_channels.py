@@ -136,7 +136,8 @@ class PipelinedChannelModel:
         if self._refused is not None and offered is None:
             if self._refused < self.design.channels and self._clock >= self._started:
                 self.golden.lose(self._refused)
-            self._lost.count(self._clock + 2)
+            shown_from = self._clock + 2
+            self._lost.count(shown_from)
         takes = offered is not None and shown.sample_ready
         self._refused = None if offered is None or takes else offered.channel
         if offered is not None and takes:
