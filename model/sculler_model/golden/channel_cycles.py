@@ -1,4 +1,4 @@
-"""The cycle-accurate model of the ports of a core with many channels.
+"""The cycle-accurate model of the ports of a compact core with many channels.
 
 The contract is that of `cycles` with these differences:
 
@@ -25,7 +25,9 @@ The contract is that of `cycles` with these differences:
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -72,8 +74,10 @@ class _Waiting(NamedTuple):
     shown: deque[tuple[int, ...]]
 
 
-class ChannelCycleModel:
-    """Clock by clock twin of the ports of a core with many channels.
+class ChannelPorts(ABC):
+    """Clock by clock twin of the ports of a core with many channels, whichever core it is.
+
+    What both have in common: resets, losses, and results that are shown word by word.
 
     Args:
         design: the design, which hands over a stream.
@@ -83,36 +87,53 @@ class ChannelCycleModel:
         golden: the models behind the ports, which have taken the samples that they took.
     """
 
-    def __init__(self, design: Design, timing: ChannelTiming) -> None:
+    timing: Timing
+
+    def __init__(self, design: Design, timing: Timing) -> None:
         self.design = design
         self.timing = timing
-        self._work = timing.work
         self._clock = 0
         self._reset()
 
     def _reset(self) -> None:
         """As at power-up, from the present clock on."""
         self.golden = ChannelModel(self.design)
-        self._next_sample = self._clock + self.timing.startup
-        self._engine_free = self._clock
-        self._loaded: tuple[int, int, int, Result | None] | None = None
-        """Clock from which the sample in the core can be launched; its work, channel, result."""
         self._results: deque[_Waiting] = deque()
         self._ports_free = self._clock
         self._refused: int | None = None  # channel of a sample that was not taken a clock before
         self._lost = EventCounter()
 
+    @property
+    @abstractmethod
+    def _is_ready(self) -> bool:
+        """Whether `sample_ready` is high."""
+
+    @property
+    @abstractmethod
+    def _until_shown(self) -> int:
+        """Clocks from the launch of an interval's last sample to `result_valid`."""
+
+    @abstractmethod
+    def _launch(self) -> None:
+        """Launch what may go in this clock."""
+
+    @abstractmethod
+    def _take_sample(self, sample: ChannelSample) -> None:
+        """Take a sample of any channel, also of one that is not there."""
+
+    def _mark_loss(self, channel: int) -> None:
+        """Mark the channel of which a sample is lost."""
+        if channel < self.design.channels:
+            self.golden.lose(channel)
+
     def ports(self) -> Ports:
         """What the outputs show during the present clock, before its inputs are known."""
-        ready = self._loaded is None and self._clock >= self._next_sample
         valid, shown = 0, (0,) * len(result_ports(self.design))
         if self._results:
             first = self._results[0]
-            there = first.launched + self.timing.latency
-            there -= self.timing.lookup + self.timing.loading
-            if self._clock >= max(there, self._ports_free):
+            if self._clock >= max(first.launched + self._until_shown, self._ports_free):
                 valid, shown = 1, first.shown[0]
-        return Ports(int(ready), valid, shown, self._lost.at(self._clock))
+        return Ports(int(self._is_ready), valid, shown, self._lost.at(self._clock))
 
     def clock(
         self, offered: ChannelSample | None, result_ready: int, rst: int = 0, clk_en: int = 1
@@ -127,8 +148,7 @@ class ChannelCycleModel:
         if shown.result_valid and result_ready:
             self._take_word()
         if self._refused is not None and offered is None:
-            if self._refused < self.design.channels:
-                self.golden.lose(self._refused)
+            self._mark_loss(self._refused)
             from_clock = self._clock + 2
             self._lost.count(from_clock)
         takes = offered is not None and shown.sample_ready
@@ -138,13 +158,55 @@ class ChannelCycleModel:
         self._clock += 1
         return shown
 
+    @property
+    def _is_full(self) -> bool:
+        """Whether there is no room for a result."""
+        return len(self._results) == self.timing.results
+
+    def _put(self, words: Sequence[int], channel: int) -> None:
+        """Put a result, whose last sample is launched in this clock, behind the others."""
+        last = len(words) - 1
+        shown = ((word, int(i == last), channel) for i, word in enumerate(words))
+        self._results.append(_Waiting(self._clock, deque(shown)))
+
+    def _take_word(self) -> None:
+        shown = self._results[0].shown
+        shown.popleft()
+        self._ports_free = self._clock + self.timing.handover_spacing
+        if not shown:
+            self._results.popleft()
+
+
+class ChannelCycleModel(ChannelPorts):
+    """Clock by clock twin of the ports of a compact core with many channels.
+
+    Args, attributes: as of `ChannelPorts`.
+    """
+
+    timing: ChannelTiming
+
+    def _reset(self) -> None:
+        super()._reset()
+        self._next_sample = self._clock + self.timing.startup
+        self._engine_free = self._clock
+        self._loaded: tuple[int, int, int, Result | None] | None = None
+        """Clock from which the sample in the core can be launched; its work, channel, result."""
+
+    @property
+    def _is_ready(self) -> bool:
+        return self._loaded is None and self._clock >= self._next_sample
+
+    @property
+    def _until_shown(self) -> int:
+        return self.timing.latency - self.timing.lookup - self.timing.loading
+
     def _take_sample(self, sample: ChannelSample) -> None:
         if sample.channel >= self.design.channels:
             self._next_sample = self._clock + ABSENT
             return
-        model = self.golden.models[sample.channel]
+        model, works = self.golden.models[sample.channel], self.timing.work
         first = sample.restart or model.t == 0
-        work = self._work[0 if first else model.t % len(self._work)]
+        work = works[0 if first else model.t % len(works)]
         there = self._clock + self.timing.lookup
         if first:
             there = max(there, self._engine_free) + self.timing.clearing
@@ -156,22 +218,12 @@ class ChannelCycleModel:
         if self._loaded is None:
             return
         there, work, channel, result = self._loaded
-        full = result is not None and len(self._results) == self.timing.results
+        full = result is not None and self._is_full
         if self._clock < there or (work and (self._clock < self._engine_free or full)):
             return
         if work:
             self._engine_free = self._clock + work
         if result is not None:
-            words = to_words(self.design, result.row())
-            last = len(words) - 1
-            shown = [(word, int(i == last), channel) for i, word in enumerate(words)]
-            self._results.append(_Waiting(self._clock, deque([*shown])))
+            self._put(to_words(self.design, result.row()), channel)
         self._loaded = None
         self._next_sample = self._clock + AFTER_LAUNCH
-
-    def _take_word(self) -> None:
-        shown = self._results[0].shown
-        shown.popleft()
-        self._ports_free = self._clock + self.timing.handover_spacing
-        if not shown:
-            self._results.popleft()

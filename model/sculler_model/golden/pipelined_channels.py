@@ -31,9 +31,9 @@ from collections import deque
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from sculler_model.design import Design
-from sculler_model.golden.channels import ChannelModel, ChannelSample
-from sculler_model.golden.cycles import EventCounter, Ports, Timing, result_ports
+from sculler_model.golden.channel_cycles import ChannelPorts
+from sculler_model.golden.channels import ChannelSample
+from sculler_model.golden.cycles import Timing
 from sculler_model.golden.stream import to_words
 
 
@@ -72,78 +72,34 @@ class _Waiting(NamedTuple):
     """Of the result that it completes."""
 
 
-class _Result(NamedTuple):
-    """A result that is under way or has not been taken whole."""
-
-    launched: int
-    shown: deque[tuple[int, ...]]
-
-
-class PipelinedChannelModel:
+class PipelinedChannelModel(ChannelPorts):
     """Clock by clock twin of the ports of a pipelined core with many channels.
 
-    Args:
-        design: the design, which hands over a stream.
-        timing: the core's own figures, as in the manifest.
-
-    Attributes:
-        golden: the models behind the ports, which have taken the samples that they took.
+    Args, attributes: as of `ChannelPorts`.
     """
 
-    def __init__(self, design: Design, timing: PipelinedChannelTiming) -> None:
-        self.design = design
-        self.timing = timing
-        self._clock = 0
-        self._reset()
+    timing: PipelinedChannelTiming
 
     def _reset(self) -> None:
-        """As at power-up, from the present clock on."""
-        self.golden = ChannelModel(self.design)
+        super()._reset()
         self._started = self._clock + self.timing.startup
         self._waiting: deque[_Waiting] = deque()
         # of the first of them whose look-up has begun: clocks that it still takes
         self._looked: deque[int] = deque()
         self._pause = 0  # clocks until the next look-up may begin
         self._launched: dict[int, int] = {}  # the clock of each channel's last launch
-        self._results: deque[_Result] = deque()
-        self._ports_free = self._clock
-        self._refused: int | None = None  # channel of a sample that was not taken a clock before
-        self._lost = EventCounter()
 
-    def ports(self) -> Ports:
-        """What the outputs show during the present clock, before its inputs are known."""
-        ready = self._clock >= self._started and len(self._waiting) < self.timing.waiting
-        valid, shown = 0, (0,) * len(result_ports(self.design))
-        if self._results:
-            first = self._results[0]
-            there = first.launched + self.timing.latency - self.timing.lookup
-            if self._clock >= max(there, self._ports_free):
-                valid, shown = 1, first.shown[0]
-        return Ports(int(ready), valid, shown, self._lost.at(self._clock))
+    @property
+    def _is_ready(self) -> bool:
+        return self._clock >= self._started and len(self._waiting) < self.timing.waiting
 
-    def clock(
-        self, offered: ChannelSample | None, result_ready: int, rst: int = 0, clk_en: int = 1
-    ) -> Ports:
-        """Run one clock; see `CycleModel.clock`.  There is no clock enable."""
-        shown = self.ports()
-        if rst:
-            self._clock += 1
-            self._reset()
-            return shown
-        self._launch()
-        if shown.result_valid and result_ready:
-            self._take_word()
-        if self._refused is not None and offered is None:
-            if self._refused < self.design.channels and self._clock >= self._started:
-                self.golden.lose(self._refused)
-            shown_from = self._clock + 2
-            self._lost.count(shown_from)
-        takes = offered is not None and shown.sample_ready
-        self._refused = None if offered is None or takes else offered.channel
-        if offered is not None and takes:
-            self._take_sample(offered)
-        self._clock += 1
-        return shown
+    @property
+    def _until_shown(self) -> int:
+        return self.timing.latency - self.timing.lookup
+
+    def _mark_loss(self, channel: int) -> None:
+        if self._clock >= self._started:
+            super()._mark_loss(channel)
 
     def _take_sample(self, sample: ChannelSample) -> None:
         if sample.channel >= self.design.channels:
@@ -168,11 +124,9 @@ class PipelinedChannelModel:
     def _goes(self, sample: _Waiting) -> bool:
         """Launch a sample in this clock, unless there is no room for its result."""
         if sample.words is not None:
-            if len(self._results) == self.timing.results:
+            if self._is_full:
                 return False
-            last = len(sample.words) - 1
-            shown = [(word, int(i == last), sample.channel) for i, word in enumerate(sample.words)]
-            self._results.append(_Result(self._clock, deque(shown)))
+            self._put(sample.words, sample.channel)
         self._launched[sample.channel] = self._clock
         return True
 
@@ -191,10 +145,3 @@ class PipelinedChannelModel:
             return
         self._looked.append(self.timing.lookup - 2)
         self._pause = self.timing.spacing
-
-    def _take_word(self) -> None:
-        shown = self._results[0].shown
-        shown.popleft()
-        self._ports_free = self._clock + self.timing.handover_spacing
-        if not shown:
-            self._results.popleft()
