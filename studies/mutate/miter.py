@@ -69,7 +69,7 @@ def read(path: Path) -> Circuit:
             literals.append(literals[-1] - step)
         gates.append((literals[1], literals[2]))
     symbols = data[place:].partition(b"c\n")[0].decode("ascii").splitlines()
-    names = dict(line.split(" ", 1) for line in symbols if line[:1] in ("i", "o"))
+    names = dict(line.split(" ", 1) for line in symbols if line[:1] in ("i", "o", "l"))
     return Circuit(inputs, lines[:latches], gates, lines[latches:], names)
 
 
@@ -118,7 +118,7 @@ def write_miter(circuit: Circuit, choice: str, path: Path, clocks: int | None = 
         path: of the AIGER file.
         clocks: as above; None for any number.
     """
-    asked = {1 + int(key[1:]) for key, name in circuit.names.items() if _of(name) == choice}
+    asked = {1 + int(key[1:]) for key, name in circuit.names.items() if port_of(name) == choice}
     reached = circuit.reached(asked, clocks)
     first = 1 + circuit.inputs
     doubled = [i for i in range(len(circuit.latches)) if first + i in reached]
@@ -146,7 +146,7 @@ def write_miter(circuit: Circuit, choice: str, path: Path, clocks: int | None = 
 def _differences(
     circuit: Circuit, same: dict[int, int], other: dict[int, int], maker: _Maker
 ) -> Iterator[int]:
-    names = [_of(circuit.names[f"o{i}"]) for i in range(len(circuit.outputs))]
+    names = [port_of(circuit.names[f"o{i}"]) for i in range(len(circuit.outputs))]
     valid = circuit.outputs[names.index("result_valid")]
     shown = same[valid >> 1] ^ valid & 1
     for name, lit in zip(names, circuit.outputs, strict=True):
@@ -155,7 +155,7 @@ def _differences(
         yield maker.both(shown, differ) if looked else differ
 
 
-def _of(name: str) -> str:
+def port_of(name: str) -> str:
     """The port of a bit."""
     return name.partition("[")[0]
 

@@ -21,6 +21,12 @@ opt_clean
 setattr -unset src
 """
 
+_WRITE = """\
+opt_expr -mux_undef
+write_verilog -noattr -norename changed.v
+"""
+"""While a memory is not written, address and data are x: they become what they are when it is."""
+
 _ASKED = 'if (!$value$plusargs("mutant=%d", {0})) {0} = 0;'
 _MODULE = re.compile(r"^module \w+_engine_program *\(", re.M)
 _WORD = re.compile(r"words_2\[(\d+)\] = (\d+)'h([0-9a-f]+);")
@@ -93,7 +99,7 @@ def changed(name: str, texts: Mapping[str, str], folder: Path, changes: Sequence
         ToolError: Yosys failed.
     """
     commands = "\n".join([_written(name, texts, folder), *_asked(changes)])
-    run_yosys(folder, f"{commands}\nwrite_verilog -noattr -norename changed.v\n")
+    run_yosys(folder, f"{commands}\n{_WRITE}")
     return (folder / "changed.v").read_text(encoding="utf-8")
 
 

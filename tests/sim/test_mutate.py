@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import shutil
+from itertools import product
 
+import numpy as np
 import pytest
 
 from sculler_sim.engines.verilator_build import emitted
@@ -14,6 +17,7 @@ from studies.mutate.equivalence import compare
 from studies.mutate.microprogram import NotFollowedError
 from studies.mutate.miter import Circuit, read, write_miter
 from studies.mutate.page import results
+from studies.mutate.pairs import Pairs, TooManyError
 from studies.mutate.shapes import SHAPES
 from studies.mutate.verdicts import Judged, judge
 
@@ -131,6 +135,24 @@ def test_products_are_free_only_where_no_factor_depends_on_the_change(tmp_path) 
 
 
 @pytest.mark.deep
+def test_a_memory_lies_between_the_change_and_a_factor(tmp_path) -> None:
+    """What is written into the left memory is a factor later, and what is into the results not."""
+    shape = SHAPES["compact_one"]
+    sizes = []
+    for module_name, cell in (("compact_one", "results"), ("compact_one_engine", "left")):
+        folder = tmp_path / cell
+        folder.mkdir()
+        change = f"mutate -mode inv -module {module_name} -cell {cell} -port write -portbit 0"
+        text = module.changed(shape.name, emitted(shape), folder, [change])
+        (folder / "changed.v").write_text(text)
+        (folder / "top.v").write_text(equivalence._asked(shape))
+        (folder / "free.v").write_text(equivalence._FREE)
+        equivalence._write_gates(folder, [])
+        sizes.append(len(read(folder / "core.aig").ands))
+    assert sizes[0] + 2_000 < sizes[1]  # a product of 18 bits by 18 has some 4,000
+
+
+@pytest.mark.deep
 @pytest.mark.skipif(shutil.which("iverilog") is None, reason="Icarus Verilog is missing")
 def test_what_the_bench_kills_can_be_told_from_the_core(tmp_path) -> None:
     """And what can not is not killed: bench and model checker agree; what is kept is not run."""
@@ -219,3 +241,44 @@ def test_mutants_are_of_every_proved_shape_and_none_has_two_minor_intervals() ->
     assert {name for name in minors if minors[name] == 1} == {"one_minor", "compact_one"}
     assert min(set(minors.values()) - {1}) == 3
     assert SHAPES["two_results"] == PROVED["two_results"]
+
+
+def turns(valid: int) -> Circuit:
+    """A latch `t` turns over each clock; another takes `a`, where t is 0 only without a change.
+
+    Nodes: 1 rst, 2 choice, 3 a, 4 t, 5 what is taken; 10 is t, 11 its opposite, of literals 8, 9.
+    """
+    names = {"i0": "rst", "i1": "choice[0]", "i2": "a", "l0": "core.t", "l1": "core.taken"}
+    names |= {"o0": "result_valid", "o1": "result_a"}
+    ands = [(6, 5), (8, 6), (12, 9), (15, 17)]  # a and not choice; t and a; not t and the first
+    return Circuit(3, [9, 19], ands, [valid, 10], names)
+
+
+@pytest.mark.parametrize(
+    ("control", "valid", "same"),
+    [("core.t", 9, True), ("core.t", 8, False), ("core.t", 1, False), ("none", 9, False)],
+)
+def test_what_a_change_spoils_may_be_looked_at_where_it_is_the_same_again(
+    control, valid, same
+) -> None:
+    """Taken while t is 0 it is spoilt, and stands while t is 1; that t says so is to be known."""
+    pairs = Pairs(turns(valid), 1, re.compile(control), [], 100, 60)
+    assert pairs.same() is same
+    assert Pairs(turns(1), 0, re.compile(control), [], 100, 60).same()  # there is no change 0
+
+
+def test_too_many_cases_are_given_up() -> None:
+    with pytest.raises(TooManyError):
+        Pairs(turns(9), 1, re.compile("core.t"), [], 1, 60).same()
+
+
+def test_a_set_has_each_pair_that_can_be_and_no_other_where_two_meet_in_an_and() -> None:
+    """Worked out pair by pair: r = x and not y."""
+    names = {"i0": "rst", "i1": "choice[0]", "o0": "result_valid", "o1": "result_a"}
+    pairs = Pairs(Circuit(2, [0, 0], [(6, 9)], [1, 10], names), 1, re.compile("none"), [], 9, 9)
+    every = list(product(range(1, 16), repeat=2))
+    found = pairs._nodes(np.array(every, np.uint8), {})[5]
+    for (x, y), said in zip(every, found, strict=True):
+        bits = [(p, q) for p in range(4) if x >> p & 1 for q in range(4) if y >> q & 1]
+        ands = {2 * (p >> 1 & ~(q >> 1)) + (p & ~q & 1) for p, q in bits}
+        assert said == sum(1 << pair for pair in ands)
