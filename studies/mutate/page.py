@@ -54,7 +54,10 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
         "A change of the gates that lives is held against the core by ABC's model checker, from"
         " power-up and for all inputs: it is *equivalent*, or it *differs*, and then the bench has"
         " a gap, or this is left *open*. First it is tried whether any register but those that the"
-        " change reaches in one or two clocks can ever differ: if none can, no output can."
+        " change reaches in one or two clocks can ever differ: if none can, no output can. In"
+        " compact cores it is tried then whether registers differ only where nobody looks: the"
+        " place in the program is known, and each other register equal, different or anything, in"
+        " every case there is (`studies/mutate/pairs.py`)."
         + _given(found)
         + " It *differs* too if the bench fails it once it is a hundred times as long."
     )
@@ -161,7 +164,7 @@ def _limits() -> Iterator[str]:
         " the microprogram lies in a block of the device (`compact_ecp5`), its bits are not turned"
         " over: it is of the kind of `compact_plain`'s. Equivalent is said of the ports from"
         " power-up, for every input; a mutant may still differ inside, as where a bit of a sum can"
-        " never be high. Where nothing is written into a memory, address and data are unknown (x)"
-        " in the netlist: if a bit's write enable is held at 1, Verilator writes there and fails,"
-        " Icarus Verilog writes nothing and passes. Such a change counts as one that lives."
+        " never be high. While nothing is written into a memory, its address and data are in the"
+        " mutants what they are when it is: so a write enable held at 1 is the same in both"
+        " simulators."
     )

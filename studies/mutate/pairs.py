@@ -216,14 +216,16 @@ class Pairs:
         found = nodes[at >> 1]
         inverted = np.flatnonzero(at & 1)
         found[inverted] = _NOT[found[inverted]]
-        return found.T
+        literal_sets: Sets = found.T
+        return literal_sets
 
     def _told(self, nodes: Sets) -> NDArray[np.bool_]:
         """(cases,) whether a port may tell."""
         sets = self._of(nodes, self.circuit.outputs)
         shown = sets[:, self._valid] != ZERO
         differ = sets & APART_EITHER != 0
-        return (differ & (shown[:, None] | ~self._waits)).any(axis=1)
+        told: NDArray[np.bool_] = (differ & (shown[:, None] | ~self._waits)).any(axis=1)
+        return told
 
     def _add(self, cases: Sets) -> None:
         """Cases that come up, each made one with that in which the same controls them."""
