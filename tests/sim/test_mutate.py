@@ -135,24 +135,6 @@ def test_products_are_free_only_where_no_factor_depends_on_the_change(tmp_path) 
 
 
 @pytest.mark.deep
-def test_a_memory_lies_between_the_change_and_a_factor(tmp_path) -> None:
-    """What is written into the left memory is a factor later, and what is into the results not."""
-    shape = SHAPES["compact_one"]
-    sizes = []
-    for module_name, cell in (("compact_one", "results"), ("compact_one_engine", "left")):
-        folder = tmp_path / cell
-        folder.mkdir()
-        change = f"mutate -mode inv -module {module_name} -cell {cell} -port write -portbit 0"
-        text = module.changed(shape.name, emitted(shape), folder, [change])
-        (folder / "changed.v").write_text(text)
-        (folder / "top.v").write_text(equivalence._asked(shape))
-        (folder / "free.v").write_text(equivalence._FREE)
-        equivalence._write_gates(folder, [])
-        sizes.append(len(read(folder / "core.aig").ands))
-    assert sizes[0] + 2_000 < sizes[1]  # a product of 18 bits by 18 has some 4,000
-
-
-@pytest.mark.deep
 @pytest.mark.skipif(shutil.which("iverilog") is None, reason="Icarus Verilog is missing")
 def test_what_the_bench_kills_can_be_told_from_the_core(tmp_path) -> None:
     """And what can not is not killed: bench and model checker agree; what is kept is not run."""
