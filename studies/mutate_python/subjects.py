@@ -65,7 +65,7 @@ SUBJECTS = {
         _TWIN,
     ),
     "cycles": Subject(
-        _sources(f"{_MODEL}/golden", "cycles stream throughput channel_cycles"),
+        _sources(f"{_MODEL}/golden", "cycles stream throughput channel_cycles pipelined_channels"),
         _tests("model", "stream throughput cycles_clocking hardening cycles channels values"),
         _TWIN,
     ),

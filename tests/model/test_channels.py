@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sculler_model.design import STATUS_LOST, Design
+from sculler_model.design import STATUS_LOST, Design, Result
 from sculler_model.errors import InputError
 from sculler_model.fast import FastChannels, VectorBlock
 from sculler_model.golden import (
@@ -19,6 +19,7 @@ from sculler_model.golden import (
     PipelinedChannelModel,
     PipelinedChannelTiming,
     Ports,
+    clocks_per_major,
     to_words,
     words_per_column,
 )
@@ -168,8 +169,12 @@ def test_a_loss_marks_its_own_channel_until_it_restarts():
 
 def test_channels_that_are_not_there():
     design = many(PLAIN, 3)
-    with pytest.raises(InputError, match="channel 3 is not there, give 0 to 2"):
-        ChannelModel(design).step(3, (0, 0, 0), (0, 0, 0))
+    for channel in (-1, 3):
+        told = f"channel {channel} is not there, give 0 to 2"
+        with pytest.raises(InputError, match=f"^{told}$"):
+            ChannelModel(design).step(channel, (0, 0, 0), (0, 0, 0))
+        with pytest.raises(InputError, match=f"^{told}$"):
+            ChannelModel(design).lose(channel)
     with pytest.raises(InputError, match="sample 1: channel -1 is not there, give 0 to 2"):
         FastChannels(design).feed(np.zeros((2, 6), int), np.array([0, -1]))
     with pytest.raises(InputError, match="channel 2: sample 0: gyro_x = "):
@@ -213,17 +218,58 @@ Shown = tuple[int, int, int]
 """A word, whether it is its result's last, and whose it is."""
 
 
+class Results:
+    """What the result ports show, worked out result by result; `takes` is `result_ready`."""
+
+    def __init__(self, design: Design, spacing: int, takes: list[bool]) -> None:
+        self.design, self.spacing, self.takes = design, spacing, takes
+        self.valid: dict[int, Shown] = {}
+        self.ports_free = 0
+        self.whole: list[int] = []  # clock in which each result's last word was taken
+
+    def hand_over(self, clock: int, channel: int, result: Result) -> None:
+        """From a clock on, or later if one before it is not taken."""
+        clock = max(clock, self.ports_free)
+        words = to_words(self.design, result.row())
+        for i, word in enumerate(words):
+            last = int(i == len(words) - 1)
+            while clock < len(self.takes):
+                self.valid[clock] = (word, last, channel)
+                if self.takes[clock]:
+                    break
+                clock += 1
+            if last:
+                self.whole.append(clock)
+            clock += self.spacing
+        self.ports_free = clock
+
+    def room_from(self, results: int) -> int:
+        """The clock from which there is room for one more of so many."""
+        return self.whole[-results] + 1 if len(self.whole) >= results else 0
+
+    def ports(self, ready: list[int], lost: list[int]) -> list[Ports]:
+        """Of all clocks; `lost` are those from which losses are counted."""
+        return [
+            Ports(
+                level,
+                int(clock in self.valid),
+                self.valid.get(clock, (0, 0, 0)),
+                sum(since <= clock for since in lost),
+            )
+            for clock, level in enumerate(ready)
+        ]
+
+
 class ByEvents:
     """What the ports show, worked out sample by sample from the contract, not clock by clock."""
 
     def __init__(self, design: Design, timing: ChannelTiming, takes: list[bool]) -> None:
-        self.design, self.timing, self.takes = design, timing, takes
+        self.design, self.timing = design, timing
         self.golden = ChannelModel(design)
         self.seen = [0] * design.channels  # samples of each, since it began
-        self.valid: dict[int, Shown] = {}
+        self.results = Results(design, timing.handover_spacing, takes)
         self.lost: list[int] = []  # clocks from which losses are counted
-        self.free = self.ports_free = 0
-        self.whole: list[int] = []  # clock in which each result's last word was taken
+        self.free = 0
 
     def next_after(self, clock: int, sample: ChannelSample) -> int:
         """The clock from which the sample after one that is taken in a clock can be taken."""
@@ -242,27 +288,13 @@ class ByEvents:
         work = timing.work[number % len(timing.work)]
         if work:
             launch = max(launch, self.free)
-            if result is not None and len(self.whole) >= timing.results:
-                launch = max(launch, self.whole[-timing.results] + 1)
+            if result is not None:
+                launch = max(launch, self.results.room_from(timing.results))
             self.free = launch + work
         if result is not None:
-            self.hand_over(launch, channel, to_words(self.design, result.row()))
+            shown = launch + timing.latency - timing.lookup - timing.loading
+            self.results.hand_over(shown, channel, result)
         return launch + 2
-
-    def hand_over(self, launch: int, channel: int, words: list[int]) -> None:
-        timing = self.timing
-        clock = max(launch + timing.latency - timing.lookup - timing.loading, self.ports_free)
-        for i, word in enumerate(words):
-            last = int(i == len(words) - 1)
-            while clock < len(self.takes):
-                self.valid[clock] = (word, last, channel)
-                if self.takes[clock]:
-                    break
-                clock += 1
-            if last:
-                self.whole.append(clock)
-            clock += timing.handover_spacing
-        self.ports_free = clock
 
     def run(self, offers: list[ChannelSample | None]) -> list[Ports]:
         ready_from, refused = self.timing.startup, None
@@ -278,15 +310,21 @@ class ByEvents:
                 ready_from = self.next_after(clock, offered)
             elif offered is not None:
                 refused = offered.channel
-        return [
-            Ports(
-                ready[clock],
-                int(clock in self.valid),
-                self.valid.get(clock, (0, 0, 0)),
-                sum(since <= clock for since in self.lost),
-            )
-            for clock in range(len(offers))
-        ]
+        return self.results.ports(ready, self.lost)
+
+
+def offered(
+    design: Design, clocks: int, seed: int, rng: np.random.Generator, longest: int
+) -> list[ChannelSample | None]:
+    """Offers that come, wait up to so many clocks and go, some of a channel that is not there."""
+    given = iter(samples(design, clocks, seed, restarts=0.02))
+    offers: list[ChannelSample | None] = []
+    while len(offers) < clocks:
+        sample = next(given)
+        if rng.random() < 0.05:
+            sample = sample._replace(channel=design.channels)
+        offers += [sample] * int(rng.integers(1, longest)) + [None] * int(rng.integers(0, 2))
+    return offers[:clocks]
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -308,20 +346,13 @@ def test_ports_are_those_of_the_contract(seed: int):
     )
     model, clocks = ChannelCycleModel(design, timing), 300
     for _ in range(2):
-        given = iter(samples(design, clocks, seed, restarts=0.02))
-        offers: list[ChannelSample | None] = []
-        while len(offers) < clocks:
-            sample = next(given)
-            if rng.random() < 0.05:
-                sample = sample._replace(channel=3)
-            offers += [sample] * int(rng.integers(1, 9)) + [None] * int(rng.integers(0, 2))
-        offers = offers[:clocks]
+        offers = offered(design, clocks, seed, rng, longest=9)
         takes = (rng.random(clocks) < rng.choice([0.2, 0.7, 1.0])).tolist()
         found = [model.clock(*pair) for pair in zip(offers, takes, strict=True)]
         expected = ByEvents(design, timing, takes).run(offers)
         assert found == expected
         assert any(each.samples_lost for each in found)
-        model.clock(next(given), 1, rst=1)
+        model.clock(offers[0], 1, rst=1)
     longest = timing.startup + timing.spacing + timing.latency + timing.handover_spacing
     assert timing.longest_wait == longest + 2 * max(timing.work) + timing.clearing
 
@@ -408,3 +439,109 @@ def test_losses_of_a_pipelined_core_by_hand():
     assert told[0][place] & STATUS_LOST == 0
     assert told[1][place] & STATUS_LOST == STATUS_LOST
     assert model.golden.models[1].t >= 1
+
+
+class PipelinedByEvents:
+    """What the ports of a pipelined core show, sample by sample from the contract.
+
+    Clocks in which a result has no room stand still for all that is looked up (`still`).
+    """
+
+    def __init__(self, design: Design, timing: PipelinedChannelTiming, takes: list[bool]) -> None:
+        self.design, self.timing = design, timing
+        self.golden = ChannelModel(design)
+        self.results = Results(design, timing.handover_spacing, takes)
+        self.still: set[int] = set()
+        self.begun = -timing.spacing  # clock in which the last look-up began
+        self.launched: list[int] = []  # of all samples that wait or waited
+        self.last: dict[int, int] = {}  # the clock of each channel's last launch
+
+    def moved(self, clock: int, count: int) -> int:
+        """So many clocks on, those not counted that stand still."""
+        while count:
+            clock += 1
+            count -= clock not in self.still
+        return clock
+
+    def take(self, clock: int, sample: ChannelSample) -> None:
+        """A sample that is taken in a clock."""
+        timing, channel = self.timing, sample.channel
+        if channel >= self.design.channels:
+            return
+        apart = self.last.get(channel, -timing.apart) + timing.apart - timing.lookup + 1
+        begun = max(clock + 1, self.moved(self.begun, timing.spacing), apart)
+        while begun in self.still:
+            begun += 1
+        launch = self.moved(begun, timing.lookup - 1)
+        result = self.golden.step(*sample)
+        if result is not None:
+            room = self.results.room_from(timing.results)
+            self.still |= set(range(launch, room))
+            launch = max(launch, room)
+            shown = launch + timing.latency - timing.lookup
+            self.results.hand_over(shown, channel, result)
+        self.begun, self.last[channel] = begun, launch
+        self.launched.append(launch)
+
+    def run(self, offers: list[ChannelSample | None]) -> list[Ports]:
+        ready, lost, refused = [], [], None
+        for clock, offered in enumerate(offers):
+            waiting = sum(launch >= clock for launch in self.launched)
+            started = clock >= self.timing.startup
+            ready.append(int(started and waiting < self.timing.waiting))
+            if refused is not None and offered is None:
+                lost.append(clock + 2)
+                if started and refused < self.design.channels:
+                    self.golden.lose(refused)
+            refused = None
+            if offered is not None and ready[-1]:
+                self.take(clock, offered)
+            elif offered is not None:
+                refused = offered.channel
+        return self.results.ports(ready, lost)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_ports_of_a_pipelined_core_are_those_of_the_contract(seed: int):
+    """Any timing, offers that come, wait and go, results that wait, and a reset."""
+    rng = np.random.default_rng(seed)
+    plain = DESIGNS["taylor_3p3" if seed % 3 else "smallest"]
+    design = with_hardware(plain, core="pipelined", channels=3)
+    lookup = int(rng.integers(2, 5))
+    timing = PipelinedChannelTiming(
+        latency=int(rng.integers(8, 14)),
+        spacing=int(rng.integers(1, 4)),
+        startup=int(rng.integers(0, 5)),
+        handover_spacing=int(rng.integers(1, 3)),
+        results=int(rng.integers(1, 4)),
+        lookup=lookup,
+        apart=lookup + int(rng.integers(0, 5)),
+        waiting=int(rng.integers(1, 6)),
+    )
+    model, clocks = PipelinedChannelModel(design, timing), 400
+    for _ in range(2):
+        offers = offered(design, clocks, seed, rng, longest=4)
+        takes = (rng.random(clocks) < rng.choice([0.2, 0.7, 1.0])).tolist()
+        found = [model.clock(*pair) for pair in zip(offers, takes, strict=True)]
+        assert found == PipelinedByEvents(design, timing, takes).run(offers)
+        assert any(each.result_valid for each in found)
+        assert any(each.samples_lost for each in found)
+        model.clock(offers[0], 1, rst=1)
+
+
+def test_figures_that_follow_from_a_pipelined_timing_by_hand():
+    """`waiting` samples of one channel before it; the look-up passes beside a result's words."""
+    timing = PipelinedChannelTiming(7, spacing=3, startup=2, work=(4,), handover_spacing=5)
+    assert (timing.lookup, timing.apart, timing.waiting) == (2, 3, 4)
+    assert timing.longest_wait == 2 + 3 + 4 + 7 + 5 + 4 * (3 + 2)
+    other = replace(timing, lookup=6, apart=8, waiting=9)
+    assert other.longest_wait == 2 + 3 + 4 + 7 + 5 + 9 * (8 + 6)
+    assert (timing.beside, other.beside) == (2, 6)
+    plain = ChannelTiming(7)
+    assert (plain.lookup, plain.loading, plain.clearing) == (1, 1, 0)
+    assert plain.longest_wait == 1 + 7 + 1
+    one = {"preset": "stim300", "algorithm": {"minors": 1}}
+    design = Design.parse(one | {"hardware": {"core": "pipelined", "channels": 2}})
+    words = 20 * 4  # of 64 bits each, 57 are needed
+    quick = PipelinedChannelTiming(latency=12, lookup=5)
+    assert clocks_per_major(design, quick) == 12 - 5 + words

@@ -306,6 +306,14 @@ class TestStatus:
         samples: list[Sample] = [((0, 0, 0), (0, end, 0), 1)] * 64
         assert [result.status for result in model.run(samples)] == [15]
 
+    def test_a_mark_that_comes_twice_stays(self) -> None:
+        model = GoldenModel(make_design("marks", 2, 0, 1, (8, 8)))
+        for _ in range(2):
+            model.lose()
+            model.upset()
+        sample: Sample = ((127, 0, 0), (0, -128, 0), 1)
+        assert [result.status for result in model.run([sample] * 4)] == [2 + 4 + 8 + 16, 2 + 4]
+
     def test_both_bits(self) -> None:
         model = GoldenModel(DESIGNS["savage_1p1"])
         zero = (0, 0, 0)
@@ -325,6 +333,20 @@ def test_history_runs_on_over_majors_and_ends_at_reset(name: str) -> None:
     # without the first interval before it, the second comes out otherwise
     second = run(design, rows[span:])[0]
     assert second[2:] != again[1][2:]
+
+
+@pytest.mark.parametrize("vector", [(1, 2), (1, 2, 3, 4), (1, 2, 3.0), "123", 7])
+def test_three_whole_numbers_are_wanted(vector: Any) -> None:
+    """What is given instead is shown, as much of it as a line holds."""
+    model, zero = GoldenModel(DESIGNS["smallest"]), (0, 0, 0)
+    for name, pair in (("gyro", (vector, zero)), ("accel", (zero, vector))):
+        with pytest.raises(InputError) as raised:
+            model.step(*pair)
+        said = f"sample 0: {name}: {vector} is not allowed, give three whole numbers"
+        assert str(raised.value) == said
+    with pytest.raises(InputError, match=r"gyro: 1{40} is not"):
+        model.step("1" * 50, zero)  # type: ignore[arg-type]
+    assert model.t == 0
 
 
 class TestWidths:

@@ -34,7 +34,7 @@ def test_there_and_back(data):
     design = DESIGNS[data.draw(st.sampled_from(sorted(DESIGNS)))]
     bits = 16 * words_per_column(design)
     component = st.integers(-(1 << bits - 1), (1 << bits - 1) - 1)
-    row = [data.draw(st.integers(0, (1 << bits) - 1)), data.draw(st.integers(0, 3))]
+    row = [data.draw(st.integers(0, (1 << bits) - 1)), data.draw(st.integers(0, (1 << bits) - 1))]
     row += data.draw(st.lists(component, min_size=18, max_size=18))
     assert from_words(design, to_words(design, row)) == tuple(row)
 
