@@ -77,7 +77,7 @@ SUBJECTS = {
         ),
         (
             *_tests("model", "coefficients scrolling higher_order"),
-            *_tests("model/families", "parabola manoeuvres fits"),
+            *_tests("model/families", "parabola manoeuvres fits response"),
             *_tests("model", "values"),
         ),
         _TWIN,

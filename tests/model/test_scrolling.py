@@ -184,6 +184,8 @@ def test_sums_are_plain_and_history_runs_across_intervals() -> None:
 def test_no_samples_in_an_interval_is_refused() -> None:
     with pytest.raises(InputError, match="samples in a major interval: 0 is not allowed"):
         list(high_resolution([], 0))
+    (found,) = high_resolution([((1, 0, 0), (0, 2, 0))], 1)
+    assert (found.alpha, found.nu) == ((1, 0, 0), (0, 2, 0))
 
 
 def weights_by_impulses(M: int) -> list[list[int]]:

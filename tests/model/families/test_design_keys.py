@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from sculler_model.algorithms import frequency_taylor, make
+from sculler_model.algorithms import Balance, Band, Fit, Recipe, Response, frequency_taylor, make
+from sculler_model.algorithms.catalogue import Made
+from sculler_model.algorithms.uncompressed import Uncompressed
 from sculler_model.design import Design
 from sculler_model.errors import InputError
 from sculler_model.golden import GoldenModel
@@ -239,6 +243,63 @@ def test_report_says_what_rounding_cost_and_what_is_left() -> None:
     ]
     [manoeuvres] = parse(family="uncompressed", samples=5).made.report()
     assert "a + b < 5 vanishes, and g1×g4; left per minor interval" in manoeuvres
+
+
+FIT = Fit(
+    (Decimal(1),), (5,), 4, None,
+    rms_real=1e-3, rms_rounded=2e-3, rms_nearest=4e-3,
+    worst_real=5e-3, worst_rounded=6e-3, worst_hz=70.0,
+)  # fmt: skip
+ROUNDED = (
+    "Rounded to 1/4: weighted rms residual 0.001 before, 0.002 after (0.004 by nearest integers);"
+    " largest 0.005 before, 0.006 after, at 70 Hz (rad per minor interval, unit amplitudes)."
+)
+
+
+@pytest.mark.parametrize(
+    ("slow", "told"),
+    [
+        (None, []),
+        (Fraction(5, 4), ["5/4."]),
+        (Fraction(3, 2), ["3/2, but for -0.25 by rounding."]),
+        (Fraction(1, 999_999), ["1/999999, but for 1.2 by rounding."]),
+        (Fraction(1, 10**6), ["1e-06, but for 1.2 by rounding."]),
+        (Fraction(123456789012345, 10**14), ["1.23456789012, but for 0.015 by rounding."]),
+    ],
+)
+def test_report_of_a_fit(slow: Fraction | None, told: list[str]) -> None:
+    made = Made(frequency_taylor(2, 0), Balance(2), replace(FIT, slow=slow))
+    held = [f"Slow motion is held: the sum of d K_d is {each}" for each in told]
+    assert made.report() == [*held, ROUNDED]
+    assert FIT.loss == pytest.approx(1.0)
+    assert replace(FIT, rms_real=0.0).loss == 0
+
+
+def test_report_of_a_table_that_errs_at_once() -> None:
+    table = frequency_taylor(2, 0)
+    spread = Uncompressed(table, (), 1, {(0, 1): Fraction(1, 6)})
+    assert Made(table, Balance(2), uncompressed=spread).report() == [
+        "Manoeuvres ω = Σ g_a τ^a: no order vanishes whole;"
+        " left per minor interval (τ in samples): g0×g1: 1/6."
+    ]
+    (zeng,) = make(Recipe("filtered-rate", 2, kind="rate")).report()
+    assert zeng.startswith("The sum's Newton-Cotes weights are taken to give the integral, as Zeng")
+
+
+def test_a_recipe_says_the_rest_by_itself() -> None:
+    """No history, increments, the sample rate as the unit, exact taps, slow motion held."""
+    band = Band(Fraction(0), Fraction(1, 5))
+    for family in ("least-squares", "tuned"):
+        said = Recipe(
+            family, 4, 0, "increment", Fraction(1), "frequency-taylor", "taylor", "plain",
+            Response(), band, None, True,
+        )  # fmt: skip
+        assert make(Recipe(family, 4, band=band)) == make(said)
+    assert make(Recipe("uncompressed", 4)).table == make(Recipe("uncompressed", 4, 0)).table
+
+
+def test_a_band_may_reach_to_half_the_rate() -> None:
+    assert parse(**fitted(high_hz=500.0)).made.fit is not None
 
 
 def test_a_table_of_the_users_own_is_not_computed() -> None:

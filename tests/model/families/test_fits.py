@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from decimal import Decimal
 from fractions import Fraction
-from itertools import product
+from itertools import pairwise, product
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,8 +23,15 @@ from sculler_model.algorithms import (
     fit,
     frequency_taylor,
 )
+from sculler_model.algorithms.decimals import exact
 from sculler_model.algorithms.lattice import closest_integers, search
-from sculler_model.algorithms.least_squares import _points, round_taps
+from sculler_model.algorithms.least_squares import (
+    _checked_count,
+    _denominator,
+    _points,
+    round_taps,
+)
+from sculler_model.algorithms.tuned import matched, matched_and_rounded
 from sculler_model.analysis.drift import filtered_residual
 from sculler_model.errors import InputError
 
@@ -54,6 +62,104 @@ def test_four_panels_to_a_ripple_and_sixteen_to_a_band() -> None:
         points = _points(Balance(8), 8, Band(Q(0), high), RATE)
         middles = points.hertz[1::3]
         assert middles == [(Q(1, 2) + k) * high / panels for k in range(panels)]
+        # Gauss and Legendre's three points integrate every fifth power exactly
+        for power in range(6):
+            pairs = zip(points.weights, points.hertz, strict=True)
+            total = sum(w * exact(f**power) for w, f in pairs)
+            expected = float(high) ** (power + 1) / (power + 1)
+            assert float(total) == pytest.approx(expected, rel=1e-14)
+
+
+SIMPSON = np.array([1, 4, 1]) / 3
+
+
+@pytest.mark.parametrize("phase", [0.3, 1.7])
+@pytest.mark.parametrize("response", [Response(), Response((Sinc(Q(3, 2)),))])
+@pytest.mark.parametrize("way", ["increment", "zeng", "newton-cotes", "plain"])
+def test_terms_of_the_balance(way: str, response: Response, phase: float) -> None:
+    """(B1) of two samples, term by term; W is Simpson's rule."""
+    kind: Any = "increment" if way == "increment" else "rate"
+    how: Any = "plain" if way == "increment" else way
+    taps, right = Balance(2, kind, how, response).terms(Decimal(phase), 3)
+    power = abs(response.value(phase)) ** 2
+    sample = phase**2 if kind == "rate" else 4 * np.sin(phase / 2) ** 2
+    distances = np.arange(1, 4)
+    assert np.array(taps, float) == pytest.approx(power * sample * np.sin(distances * phase))
+    W = np.sum(SIMPSON * np.exp(-1j * phase * np.arange(3)))
+    between = {
+        "increment": 0.5 * np.sin(2 * phase),
+        "zeng": 0.5 * np.sin(2 * phase),
+        "newton-cotes": 0.25 * abs(W) ** 2 * phase**2 / np.tan(phase),
+        "plain": 0.5 * np.sin(2 * phase) / (np.sin(phase / 2) / (phase / 2)) ** 2,
+    }[way]
+    assert float(right) == pytest.approx(phase - power * between, rel=1e-13)
+
+
+def panels(band: Band, widest: Fraction) -> list[tuple[Fraction, Fraction]]:
+    return list(band.panels(widest))
+
+
+def test_panels_break_where_the_weight_does() -> None:
+    band = Band(Q(10), Q(40), ((Q(10), Q(1)), (Q(20), Q(2)), (Q(40), Q(1))))
+    edges = [Q(10), Q(15), *(20 + Q(20, 3) * k for k in range(4))]
+    assert panels(band, Q(8)) == list(pairwise(edges))
+    # a mode is resolved to its width, a fiftieth of its frequency at least, where it is inside
+    for damping, count in ((Q(1, 10), 40), (Q(1, 100), 200)):
+        mounted = Band(Q(0), Q(100), mount=RotaryMode(Q(25), damping))
+        found = panels(mounted, Q(50))
+        assert found == [(Q(100, count) * k, Q(100, count) * (k + 1)) for k in range(count)]
+    for natural in (Q(100), Q(200)):
+        mounted = Band(Q(0), Q(100), mount=RotaryMode(natural, Q(1, 10)))
+        assert panels(mounted, Q(50)) == [(Q(0), Q(50)), (Q(50), Q(100))]
+    low = Band(Q(25), Q(100), mount=RotaryMode(Q(25), Q(1, 10)))
+    assert panels(low, Q(75)) == [(Q(25), Q(100))]
+
+
+def test_weights_at_and_between_points() -> None:
+    points = ((Q(10), Q(4)), (Q(20), Q(2)), (Q(40), Q(8)))
+    straight, log = Band(Q(10), Q(40), points), Band(Q(10), Q(40), points, True)
+    for hertz, weight in ((10, 4), (15, 3), (20, 2), (30, 5), (40, 8)):
+        assert straight.weight(Q(hertz)) == weight
+    # 2 (f/20)² above 20 Hz, 4 (10/f) below
+    for hertz, weight in ((10, 4.0), (16, 2.5), (20, 2.0), (30, 4.5), (40, 8.0)):
+        assert float(log.weight(Q(hertz))) == pytest.approx(weight, rel=1e-14)
+    assert Band(Q(10), Q(40)).weight(Q(17)) == 1
+    mounted = Band(Q(10), Q(40), points, mount=RotaryMode(Q(30), Q(1, 4)))
+    assert float(mounted.weight(Q(15))) == pytest.approx(3 / (0.75**2 + 4 / 16 / 4), rel=1e-14)
+
+
+def test_a_denominator_that_holds_the_constraint_where_the_factor_is_small() -> None:
+    for slow, denominator in ((None, 16), (Q(1, 3), 48), (Q(1, 16), 16), (Q(5, 48), 48)):
+        assert _denominator(4, slow) == denominator
+    assert [_denominator(0, Q(1, count)) for count in (256, 257)] == [256, 1]
+
+
+def test_sixteen_taps_are_the_most() -> None:
+    assert _checked_count(Balance(12), 5) == 16
+    with pytest.raises(InputError, match="17 is too large for a least-squares fit, .* up to 16"):
+        _checked_count(Balance(12, "rate"), 5)
+    assert _checked_count(Balance(1, "rate"), 0) == 1
+
+
+def test_matched_taps_are_rounded_for_an_eighth_of_the_rate() -> None:
+    balance = Balance(3)
+    found = matched_and_rounded(balance, 0, RATE, 12)
+    assert found == round_taps([Q(27, 20), Q(9, 20)], balance, Band(Q(0), Q(125)), RATE, 12)
+    assert 124 < found.worst_hz < 125  # at the band's last point
+    with pytest.raises(InputError, match="1 sample gives no cross product"):
+        matched(Balance(1), 0)
+
+
+def test_exact_taps_of_128_bits_are_the_widest() -> None:
+    """One tap of two samples behind a mean over w of them: K_1 = 2/3 + w²/12."""
+
+    def made(m: int) -> TapTable:
+        return matched(Balance(2, response=Response((Sinc(Q(2 * m)),))), 0)
+
+    assert made(3 * 2**63 + 1).taps[-1] == (((3 * 2**63 + 1) ** 2 + 2) // 3,)
+    assert made(3 * 2**63 + 1).taps[-1][0].bit_length() == 128
+    with pytest.raises(InputError, match="exact taps would take 129 bits"):
+        made(2**65)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import pairwise
+from itertools import islice, pairwise
 
 import pytest
 
@@ -19,7 +19,12 @@ from sculler_model.algorithms import (
     uncompress,
     uncompressed,
 )
-from sculler_model.algorithms.pairs import Elimination, pair_coefficients
+from sculler_model.algorithms.pairs import (
+    Elimination,
+    manoeuvre_terms,
+    pair_coefficients,
+    true_term,
+)
 from sculler_model.algorithms.time_taylor import polynomial_fit
 from sculler_model.analysis.closed_form import leading_term
 from sculler_model.errors import InputError
@@ -186,6 +191,32 @@ def test_manoeuvre_error_is_the_difference_of_the_integrals(table: TapTable) -> 
         assert manoeuvre_error(table, (a, b)) == error(table, a, b)
 
 
+@pytest.mark.parametrize("n", [1, 2, 5])
+def test_true_terms_behind_a_filter_by_hand(n: int) -> None:
+    """½ Σ (-1)^k e_k ∫ (D^(2k-1) x) × x, with 1/|F|² = 1 + e₁λ² + e₂λ⁴, x = g_a τ^a + g_b τ^b.
+
+    D x × x of 1 and τ³ is -3τ², D³ x × x of them -6, of τ and τ⁴ -24 τ²; ∫ τ² is n³/12.
+    """
+    e1, e2 = Q(3, 7), Q(5, 11)
+    for (a, b), more in {
+        (0, 1): Q(n, 2) * e1,
+        (1, 2): Q(n**3, 24) * e1,
+        (0, 3): Q(n**3, 8) * e1 - 3 * n * e2,
+        (1, 4): Q(3 * n**5, 160) * e1 - n**3 * e2,
+        (0, 2): Q(0),
+    }.items():
+        x, y = monomial(a, Q(n, 2)), monomial(b, Q(n, 2))
+        plain = true_coning(x, y, 0, n)
+        assert true_term(n, (a, b)) == plain
+        assert true_term(n, (a, b), [Q(1)]) == plain
+        assert true_term(n, (a, b), [Q(1), e1, e2]) == plain + more
+
+
+def test_terms_in_their_order() -> None:
+    assert list(manoeuvre_terms(3)) == [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
+    assert list(islice(manoeuvre_terms(), 5)) == [(0, 1), (0, 2), (0, 3), (1, 2), (0, 4)]
+
+
 def test_compressed_table_errs_at_second_order_in_manoeuvres() -> None:
     assert first_manoeuvre_error(frequency_taylor(4, 0))[0] == 2
 
@@ -213,6 +244,7 @@ class TestElimination:
         (time_taylor, (12, 5), "17 is too large for time-taylor with history >= 2"),
         (uncompressed, (16, 1), "17 is too large for uncompressed, give a sum up to 16"),
         (uncompress, ([Q(1)], 3, 0), "1 distance sums for samples + history = 3, give 2"),
+        (uncompress, ([Q(1)], 16, 0), "1 distance sums for samples + history = 16, give 15"),
     ],
 )
 def test_faults(make: object, arguments: Sequence[object], message: str) -> None:
@@ -220,6 +252,11 @@ def test_faults(make: object, arguments: Sequence[object], message: str) -> None
     with pytest.raises(InputError) as caught:
         make(*arguments)
     assert message in str(caught.value)
+
+
+def test_sixteen_points_are_the_most() -> None:
+    for table in (time_taylor(14, 2), uncompressed(16, 0)):
+        assert table.history == 15
 
 
 def test_a_pair_of_the_previous_interval_has_no_row() -> None:

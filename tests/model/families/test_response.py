@@ -11,7 +11,16 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from sculler_model.algorithms import Analogue, Digital, Measured, Response, Sinc, Stage, decimals
+from sculler_model.algorithms import (
+    Analogue,
+    Digital,
+    Measured,
+    Response,
+    Sinc,
+    Stage,
+    decimals,
+    series,
+)
 from sculler_model.design.filters import read_response
 from sculler_model.errors import InputError
 
@@ -150,6 +159,10 @@ def test_cascade_multiplies() -> None:
             "5 Hz follows 5 Hz",
         ),
         (
+            lambda: Measured(rationals(-0.5, 5), rationals(1, 1), rationals(0, 0), Q(1)),
+            "must rise from 0 or above, but 5 Hz follows -0.5 Hz",
+        ),
+        (
             lambda: Measured(rationals(5, 6), rationals(1, -1), rationals(0, 0), Q(1)),
             "gain at 6 Hz is -1",
         ),
@@ -196,12 +209,29 @@ class TestDecimals:
         s, c = decimals.sine_cosine(Decimal(x))
         assert (float(s), float(c)) == pytest.approx((sin(x), cos(x)), rel=1e-14, abs=1e-16)
 
-    def test_digits_are_right_to_the_last(self) -> None:
+    @pytest.mark.parametrize("turns", [0, -1, 1, 2, 1234, -(10**9)])
+    def test_digits_are_right_to_the_last(self, turns: int) -> None:
+        """Of a sixth of half a turn, and turns on from there."""
         with localcontext() as context:
+            context.prec = 80
+            x = decimals.pi() * (2 * turns + Decimal(1) / 6)
             context.prec = 50
-            s, c = decimals.sine_cosine(decimals.pi() / 6)
+            s, c = decimals.sine_cosine(x)
             assert abs(s - Decimal("0.5")) < Decimal("1e-49")
             assert abs(2 * c - Decimal(3).sqrt()) < Decimal("1e-48")
+            assert len(s.as_tuple().digits) <= 50
+            assert len(c.as_tuple().digits) == 50
+
+    @pytest.mark.parametrize("digits", [1, 5, 40])
+    def test_a_rational_pi_has_the_digits_asked_for(self, digits: int) -> None:
+        pi_of_60 = Q("3.14159265358979323846264338327950288419716939937510582097494")
+        assert 0 < abs(decimals.pi_to(digits) - pi_of_60) < Q(10) ** (1 - digits)
+
+    def test_the_smallest_arguments(self) -> None:
+        assert decimals.sinc(Decimal(0)) == 1
+        assert float(decimals.sinc(Decimal("0.5"))) == pytest.approx(sin(0.5) / 0.5, rel=1e-15)
+        assert list(map(float, decimals.sines(Decimal("0.6"), Decimal("0.8"), 1))) == [0.96]
+        assert decimals.exact(Q(1, 8)) == Decimal("0.125")
 
     def test_multiples(self) -> None:
         found = list(map(float, decimals.sines(*decimals.sine_cosine(Decimal("0.35")), 5)))
@@ -211,6 +241,27 @@ class TestDecimals:
         assert decimals.rational(0.1) == Q(1, 10)
         assert decimals.rational(1e-7) == Q(1, 10**7)
         assert decimals.rational(e) != Q(e)
+
+
+class TestSeries:
+    """In powers of λ², written out."""
+
+    def test_sine_and_cosine(self) -> None:
+        assert series.sine(Q(2, 3), 3) == [Q(2, 3), Q(-8, 27 * 6), Q(32, 243 * 120)]
+        assert series.cosine(3, 4) == [1, Q(-9, 2), Q(81, 24), Q(-729, 720)]
+
+    def test_the_power_of_an_autocorrelation(self) -> None:
+        """Of 1 + 2x + 3x² in x = e^(-iλ/2): 14 + 2·8 cos λ/2 + 2·3 cos λ."""
+        assert series.autocorrelation([Q(1), Q(2), Q(3)]) == [14, 8, 3]
+        found = series.cosine_sum([Q(14), Q(8), Q(3)], Q(1, 2), 3)
+        assert found == [36, -16 * Q(1, 8) - 6 * Q(1, 2), 16 * Q(1, 384) + 6 * Q(1, 24)]
+
+    def test_products_and_quotients(self) -> None:
+        a, b = [Q(1), Q(2), Q(3)], [Q(2), Q(-1), Q(5)]
+        assert series.multiply(a, b) == [2, 3, 9]
+        assert series.divide([Q(2), Q(3), Q(9)], b) == a
+        with pytest.raises(ZeroDivisionError):
+            series.divide(a, [Q(0), Q(1), Q(1)])
 
 
 class TestFile:
