@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from math import degrees, factorial, pi, radians, sin
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from scipy.spatial.transform import Rotation
 from host_path import attitude_error, chained, fine_design, through_core
 from sculler_model.analysis.closed_form import drift_rate, uncorrected_rate
 from sculler_model.design import COMPONENTS, VECTORS, Design
+from sculler_model.errors import InputError
 from sculler_model.fast import VectorBlock, run_fast
 from sculler_model.frames import AxisMap, Quaternion, rotate
 from sculler_model.host import (
@@ -23,6 +25,7 @@ from sculler_model.host import (
     major_increments,
     one_minus_cosine,
     one_minus_sine,
+    second_order_corrections,
     uncorrected,
     velocity_rotation,
 )
@@ -137,6 +140,72 @@ def test_first_order_is_half_a_cross_product(position: str) -> None:
         assert np.allclose(found.dr_sf, way, rtol=1e-12, atol=1e-18)
 
 
+@pytest.mark.parametrize("order", [3, 4])
+def test_orders_that_a_core_hands_over_are_the_formulas_of_the_page(order: int) -> None:
+    """φ is the sum of all, ΔV_SF turns the sum of all; what follows is -α×(α×β)/60, and so on."""
+    g, a = 1e-3, 1e-1
+    data = fine_design(2, minors=2, gyro_lsb=g, accel_lsb=a).as_json()
+    data["hardware"] = {"core": "compact"}
+    data["algorithm"] |= {"order": order}
+    design = Design.parse(data)
+    composed = design.composition
+    rows = np.random.default_rng(8).integers(-60, 60, (5, len(design.columns) - 2))
+    rows[:, :3] *= 3
+    parts = np.split(rows.astype(float), len(design.vectors), axis=1)
+    vectors = dict(zip(design.vectors, parts, strict=True))
+    assert len(vectors) == 2 + 2 * order
+    Dc, Dw = design.table.denominator, design.table.sum_denominator
+    alpha, upsilon = g * vectors["alpha"], a * vectors["nu"]
+    beta, sculling = (
+        factor * (vectors[f"{name}_within"] / Dc + vectors[f"{name}_between"] / (2 * Dw * Dw))
+        for name, factor in (("coning", g * g), ("sculling", a * g))
+    )
+    orders = [(alpha, upsilon), (beta, sculling)]
+    for name, n, D in (("third", 3, composed.third), ("fourth", 4, composed.fourth))[: order - 2]:
+        angle, velocity = vectors[f"coning_{name}"], vectors[f"sculling_{name}"]
+        orders.append((g**n / D * angle, g ** (n - 1) * a / D * velocity))
+
+    def cross(one: tuple[NDArray, NDArray], other: tuple[NDArray, NDArray]) -> Any:
+        (p, u), (q, v) = one, other
+        return np.cross(p, q), np.cross(p, v) + np.cross(u, q)
+
+    first, second, third = orders[:3]
+    once = cross(first, second)
+    if order == 3:
+        tail = [(-1 / 60, cross(first, once))]
+    else:
+        tail = [(-1 / 42, cross(first, cross(first, third))), (-2 / 105, cross(second, once))]
+        tail.append((1 / 2520, cross(first, cross(first, cross(first, once)))))
+    phi, w = (
+        sum(each[i] for each in orders) + sum(factor * each[i] for factor, each in tail)
+        for i in (0, 1)
+    )
+    found = major_increments(design, block_of(rows))
+    assert np.allclose(found.alpha, alpha, rtol=1e-15, atol=0)
+    assert np.allclose(found.phi, phi, rtol=1e-13, atol=0)
+    assert np.allclose(found.dv_sf, w + velocity_rotation(phi, w), rtol=1e-13, atol=0)
+    assert np.abs(found.phi - sum(each[0] for each in orders)).max() > 1e-12
+    with pytest.raises(InputError, match=f"third order: .*, with order = {order}, hold these"):
+        major_increments(design, block_of(rows), third_order=True)
+
+
+@pytest.mark.parametrize("minors", [1, 3])
+def test_corrections_of_intervals_taken_as_one(minors: int) -> None:
+    """Coning and sculling of one long interval are those of the short ones and between them."""
+    short, long = (
+        fine_design(2, minors=m, gyro_lsb=1e-4, accel_lsb=1e-3) for m in (minors, 6 * minors)
+    )
+    counts = np.random.default_rng(4).integers(-900, 900, (12 * minors, 6))
+    whole = run_fast(long, counts)
+    assert len(whole) == 1
+    found = second_order_corrections(short, run_fast(short, counts))
+    for one, other in zip(found, second_order_corrections(long, whole), strict=True):
+        assert one == pytest.approx(other, rel=1e-12)
+        assert np.abs(one).max() > 0
+    one = major_increments(long, whole)
+    assert one.phi[0] - one.alpha[0] == pytest.approx(found[0], rel=1e-12)
+
+
 def test_uncorrected_drops_only_coning_and_sculling() -> None:
     design = fine_design(4, gyro_lsb=1e-7, accel_lsb=1e-4)
     rows = np.random.default_rng(3).integers(-1000, 1000, (5, 18))
@@ -145,6 +214,48 @@ def test_uncorrected_drops_only_coning_and_sculling() -> None:
     full = major_increments(design, block_of(rows))
     assert np.array_equal(plain.phi, full.alpha)
     assert np.array_equal(plain.dv_sf, full.dv_sf)
+
+
+def test_all_that_increments_carry_is_cut_and_joined() -> None:
+    rng = np.random.default_rng(1)
+    whole = MajorIncrements(
+        *rng.normal(size=(4, 6, 3)), np.arange(6), 10.0 + np.arange(6), rng.normal(size=(6, 2))
+    )
+    for cuts in ((2, 6), (0, 6)):
+        parts = [whole[: cuts[0]], whole[cuts[0] : cuts[1]]]
+        assert [len(part) for part in parts] == [cuts[0], 6 - cuts[0]]
+        again = MajorIncrements.concatenate(parts)
+        for name, column in vars(whole).items():
+            assert np.array_equal(getattr(again, name), column), name
+    for name in ("times", "heights"):
+        with pytest.raises(ValueError, match=f"1 of 2 parts have {name}"):
+            MajorIncrements.concatenate([whole, replace(whole, **{name: None})])
+    names = ["time_s", "status"]
+    names += [f"{v}_{axis}" for v in ("phi", "alpha", "dv_sf", "dr_sf") for axis in "xyz"]
+    assert list(whole.named_columns()) == names
+    bare = replace(whole, times=None, status=None, dr_sf=None)
+    assert list(bare.named_columns()) == names[2:11]
+    biased = whole.without_bias([1.0, -2.0, 3.0], 0.5)
+    for name in ("phi", "alpha"):
+        assert getattr(biased, name) == pytest.approx(getattr(whole, name) - [0.5, -1.0, 1.5])
+    assert np.array_equal(biased.dv_sf, whole.dv_sf)
+
+
+def test_an_interval_of_short_history_is_named() -> None:
+    inc = MajorIncrements(*np.zeros((3, 5, 3)), status=np.array([0, 2, 3, 1, 0]))
+    assert inc.leading_short == 4
+    with pytest.raises(InputError, match=r"^it: interval 2 of these reaches before the first"):
+        inc.require_whole("it")
+    stamped = replace(inc, times=100.25 + np.arange(5))
+    with pytest.raises(InputError, match=r"interval 2 of these, which ends at 102\.25 s, reaches"):
+        stamped.require_whole("it")
+
+
+@pytest.mark.parametrize("wrong", ["", "Exact", "first"])
+def test_no_other_rotation(wrong: str) -> None:
+    block = block_of(np.zeros((1, 18), int))
+    with pytest.raises(InputError, match=f"rotation: '{wrong}' is not allowed"):
+        major_increments(fine_design(1, 1), block, rotation=wrong)  # type: ignore[arg-type]
 
 
 def test_slices_axes_and_joining_of_displacements() -> None:

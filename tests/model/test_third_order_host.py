@@ -6,6 +6,8 @@ and Legendre's rule.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
 from math import pi, radians, sin, sqrt
 
 import numpy as np
@@ -155,6 +157,42 @@ def test_blocks_of_any_length_and_beginning_anew() -> None:
     few = ThirdOrder()
     assert np.array_equal(few(plain[:3]).phi, plain.phi[:3])
     assert (few.corrected, few.left, few.waiting) == (0, 0, 3)
+
+
+def test_blocks_of_any_length_where_vibration_comes_and_goes() -> None:
+    """Also what is smooth again depends on ten intervals before, in whatever blocks they came."""
+    k, rng = np.arange(160), np.random.default_rng(6)
+    smooth = np.column_stack((0.05 * np.sin(0.1 * k), 0.05 * np.cos(0.07 * k), 0.01 + 0 * k))
+    smooth[60:75, 0] += 1e-3 * np.sin(2 * pi * 0.3 * k[60:75])
+    smooth[110, 1] += 0.2
+    plain = MajorIncrements(smooth, smooth, 0.3 + 2 * np.roll(smooth, 1, axis=1))
+    whole = ThirdOrder()
+    expected = whole(plain)
+    kept = np.flatnonzero((expected.phi == smooth).all(axis=1))
+    assert set(range(63, 75)) < set(kept) < {*range(4), *range(60, 90), *range(110, 125)}
+    assert (whole.corrected, whole.left) == (160 + 4 - len(kept), len(kept) - 4)
+    for _ in range(25):
+        cuts = [0, *sorted(rng.integers(0, 161, int(rng.integers(1, 40))).tolist()), 160]
+        corrector = ThirdOrder()
+        parts = [corrector(plain[a:b]) for a, b in pairwise(cuts)]
+        joined = MajorIncrements.concatenate(parts)
+        assert np.array_equal(joined.phi, expected.phi)
+        assert np.array_equal(joined.dv_sf, expected.dv_sf)
+        assert (corrector.corrected, corrector.left) == (whole.corrected, whole.left)
+
+
+def test_intervals_of_short_history_are_counted_as_left() -> None:
+    plain = second_order(spinning(radians(45), 5, 10), 22)
+    third = ThirdOrder()
+    third(plain[:3])
+    assert (third.corrected, third.left, third.waiting) == (0, 0, 3)
+    short = replace(plain[3:20], status=np.array([0, 1] + [0] * 15))
+    third(short)  # three that waited, and two
+    assert (third.corrected, third.left, third.waiting) == (15, 5, 0)
+    third(plain[20:])
+    assert (third.corrected, third.left, third.waiting) == (17, 5, 0)
+    third(replace(plain[:1], status=np.ones(1, int)))  # none waits any more
+    assert (third.corrected, third.left, third.waiting) == (17, 6, 0)
 
 
 def test_vibration_that_begins_and_ends() -> None:

@@ -143,6 +143,24 @@ def test_five_intervals_go_to_the_sixth_power() -> None:
     assert worst[1] < 2e-9  # of 2.02e-6
 
 
+def test_the_fifth_interval_makes_up_for_the_first_four() -> None:
+    """The velocity over five intervals is as good as that of the fifth alone would be."""
+    T = 0.02
+    alpha, dv_sf = map(np.array, zip(*(second_order(T, k) for k in range(5)), strict=True))
+    plain = MajorIncrements(alpha, alpha, dv_sf)
+    found = ThirdOrder()(plain)
+
+    def off(increments: MajorIncrements) -> Array:
+        turns = [turned(A, T * k) @ turned(B, T * k) for k in range(5)]
+        pairs = zip(turns, increments.dv_sf, strict=True)
+        return np.sum([C @ dv for C, dv in pairs], axis=0) - velocity(5 * T)
+
+    before, after = off(plain), off(found)
+    assert np.linalg.norm(before) > 8e-6  # five times 2e-6
+    assert np.linalg.norm(after) < 4e-8
+    assert np.array_equal(found.dv_sf[:4], dv_sf[:4])
+
+
 def second_order(T: float, k: int) -> tuple[Array, Array]:
     """α and ΔV_SF of interval k, the integrals exact."""
     sums = integral(T * k, T)
