@@ -118,6 +118,7 @@ SUBJECTS = {
             *_tests("model", "limits exact gravity height_reference navigator alignment"),
             *_tests("model", "alignment_covariance alignment_sigmas fine_alignment"),
             *_tests("model", "whole_intervals high_resolution"),
+            *_tests("model", "attitude_only"),
             *_tests("cli", "attitude_only"),
             *_tests("model", "values alternatives wander"),
         ),

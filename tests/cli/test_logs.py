@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sculler.formats.lines import BLOCK_BYTES
+from sculler.formats.lines import BLOCK_BYTES, whole_lines
 from sculler.formats.log import Chunk, LogWriter, read_log
-from sculler.formats.log_text import _Layout, _nanoseconds
+from sculler.formats.log_text import _Layout, _nanoseconds, decimals, is_far
 from sculler.formats.plain_rows import parse
 from sculler_model.design import Design
 from sculler_model.errors import InputError
@@ -110,6 +110,13 @@ FAULTS = {
         "gyro_x,gyro_z,accel_x,accel_y,accel_z\n1,2,3,4,5\n",
         "line 1: column gyro_y is missing",
     ),
+    "column of many letters": (
+        f"{HEADER},{'a' * 50}\n{ROW},7\n",
+        f"unknown column '{'a' * 40}', giv",
+    ),
+    "cell of many letters": (f"{HEADER}\n1,2,3,4,5,{'a' * 50}\n", f"is '{'a' * 40}', give a wh"),
+    "stamp of many letters": (f"{HEADER},time_s\n{ROW},{'a' * 50}\n", f"is '{'a' * 40}', give dec"),
+    "count of many digits": (f"{HEADER}\n1,2,3,4,5,{'7' * 50}\n", f"= {'7' * 40} does not fit"),
     "unknown column": (f"{HEADER},temp\n{ROW},7\n", "line 1: unknown column 'temp'"),
     "column twice": (f"{HEADER},gyro_x\n{ROW},7\n", "line 1: column gyro_x is there twice"),
     "float": (f"{HEADER}\n{ROW}\n1,2,3.0,4,5,6\n", "line 3: gyro_z is '3.0'"),
@@ -421,6 +428,126 @@ def test_nanoseconds_are_those_of_the_decimals(origin: int) -> None:
         told = _nanoseconds(np.array([6.0, time]), max(origin, 0))
         near = round(Fraction(time) * 10**9) + max(origin, 0) * 10**9
         assert told is None or told[1] == near
+
+
+@pytest.mark.parametrize(
+    ("digits", "long", "read"),
+    [(10, False, True), (11, False, False), (18, True, True), (19, True, False)],
+)
+def test_digits_of_whole_numbers(digits: int, long: bool, read: bool) -> None:
+    number = int("1234567890123456789"[:digits])
+    got = parse(f"{number},-{number}\n".encode(), 2, long=long)
+    assert (got is not None) == read
+    assert got is None or got.whole.tolist() == [[number, -number]]
+    assert got is None or got.decimals is None
+
+
+@pytest.mark.parametrize(("digits", "read"), [(15, True), (16, False)])
+def test_digits_before_a_point(digits: int, read: bool) -> None:
+    cell = "1234567890123456"[:digits] + ".25"
+    got = parse(f"7,{cell}\n8,-1\n".encode(), 2, decimal=1)
+    assert (got is not None) == read
+    if got is not None:
+        assert got.decimals is not None
+        assert got.decimals.tolist() == [float(cell), -1.0]
+        assert got.whole.tolist() == [[7, 0], [8, 0]]
+
+
+@pytest.mark.parametrize(
+    "block", [b"1,.5\n", b"1,-.5\n", b"1,1.2.3\n", b"1.,2\n", b"1,2.\n1.5,2\n", b"1,-\n", b",1\n"]
+)
+def test_what_is_no_plain_decimal_is_left_to_others(block: bytes) -> None:
+    assert parse(block, 2, decimal=1) is None
+
+
+def test_stamps_of_a_far_clock_have_nine_places() -> None:
+    """Beyond 2^23 s floats lie more than a nanosecond apart: 8.4 million s, 97 days."""
+    assert [is_far(origin) for origin in (0, 8.3e6, -8.3e6, 8.4e6, -8.4e6)] == [
+        *[False] * 3,
+        *[True] * 2,
+    ]
+    times = np.array([0.5, 1.0, 1e-9, 0.1234567894, -0.25])
+    assert decimals(times, 2**33) == [
+        "8589934592.5",
+        "8589934593.0",
+        "8589934592.000000001",
+        "8589934592.123456789",
+        "8589934591.75",
+    ]
+    assert decimals(times[:3], 0) == ["0.5", "1.0", "0.000000001"]
+    assert decimals(times[:2], 4e6) == ["4000000.5", "4000001.0"]
+    assert decimals(np.array([1e22, -1e-7]), 0.0) == ["10000000000000000000000.0", "-0.0000001"]
+
+
+def test_lines_come_in_blocks_of_a_size() -> None:
+    content = b"one\ntwo\nthree\nfour\nfive"
+    for size in (1, 4, 5, 9, 100):
+        found = list(whole_lines(io.BytesIO(content), "it", size))
+        assert b"".join(found) == content
+        assert all(block.endswith(b"\n") for block in found[:-1])
+        assert found[-1] == b"five"
+    by_nine = list(whole_lines(io.BytesIO(content), "it", 9))
+    assert by_nine == [b"one\ntwo\n", b"three\n", b"four\n", b"five"]
+    default = list(whole_lines(io.BytesIO(b"123456789\n" * 30_000), "it"))
+    first = BLOCK_BYTES // 10 * 10
+    assert [len(block) for block in default] == [first, 300_000 - first]
+
+
+def test_a_line_of_64_kib_is_the_longest() -> None:
+    for length in (65536, 65537):
+        blocks = whole_lines(io.BytesIO(b"1" * length), "it", 1 << 20)
+        if length == 65536:
+            assert list(blocks) == [b"1" * length]
+        else:
+            with pytest.raises(InputError, match="it: a line of more than 64 KiB"):
+                list(blocks)
+
+
+def test_a_header_of_4096_bytes_is_the_longest(tmp_path: Path, small: Design) -> None:
+    for length in (4096, 4097):
+        head = HEADER + " " * (length - 1 - len(HEADER))
+        path = text(tmp_path, f"{head}\n{ROW}\n")
+        if length == 4096:
+            assert read(path, small)[0].tolist() == [[1, -2, 3, -4, 5, -6]]
+        else:
+            with pytest.raises(InputError, match="line 2: an empty line"):
+                read(path, small)
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz"])
+def test_what_is_read_is_told(tmp_path: Path, small: Design, ending: str) -> None:
+    path, told = tmp_path / f"log.{ending}", list[int]()
+    with LogWriter(path) as writer:
+        writer.write(np.ones((50, 6), np.int64))
+    assert sum(len(chunk.counts) for chunk in read_log(path, small, told.append)) == 50
+    size = path.stat().st_size
+    assert told == [size - len(HEADER) - 1 if ending == "csv" else size]
+
+
+def test_part_of_a_chunk_and_its_marks() -> None:
+    rows = np.arange(4)
+    chunk = Chunk(np.arange(24).reshape(4, 6), rows % 2, None, rows * 10, rows * 2, None)
+    some = chunk.part(slice(1, 3))
+    assert some.counts.tolist() == [[*range(6, 12)], [*range(12, 18)]]
+    assert some.sequence is not None
+    assert some.sequence.tolist() == [10, 20]
+    assert some.times is some.restarts is None
+    assert [mark.tolist() for mark in some.marks] == [[1, 0], [2, 4]]
+
+
+@pytest.mark.parametrize("told", [True, False])
+@pytest.mark.parametrize("number", [2**63 - 1, -(2**63), 2**63, -(2**63) - 1])
+def test_counts_of_a_log_without_a_design_have_64_bits(
+    tmp_path: Path, small: Design, number: int, told: bool
+) -> None:
+    path = text(tmp_path, f"{HEADER}\n{ROW}\n1,2,3,4,5,{number}\n")
+    if not told and -(2**63) <= number < 2**63:
+        (chunk,) = read_log(path, None)
+        assert chunk.counts[1, 5] == number
+        return
+    bits = "12" if told else "64"
+    with pytest.raises(InputError, match=f"line 3: accel_z = {number} does .* {bits} bits"):
+        list(read_log(path, small if told else None))
 
 
 def test_places_of_narrow_digits_do_not_wrap() -> None:

@@ -12,7 +12,8 @@ from sculler_model.errors import InputError
 from sculler_model.frames import EARTH_RATE, conjugate, gravity, product, to_dcm, to_rotation_vector
 from sculler_model.host import MajorIncrements, velocity_rotation
 from sculler_model.motion import Curve, Motion, Turn, X, Y, Z, at_rest
-from sculler_model.navigation import Alignment, align, navigate
+from sculler_model.navigation import Alignment, SensorNoise, align, navigate
+from sculler_model.navigation.alignment import _means, _noise_shown
 
 LAT, LON, H = radians(48.0), 0.2, 500.0
 INTERVAL = 0.5
@@ -149,6 +150,28 @@ def test_sway_does_not_disturb() -> None:
     inc = MajorIncrements(alpha, alpha, upsilon + velocity_rotation(alpha, upsilon))
     found = align(inc, interval, LAT, H)
     assert np.abs(error(found, where)).max() < 1e-6
+
+
+def test_means_over_at_most_128_parts() -> None:
+    """As long as they must be, the odd first values left out."""
+    for count, each, first in ((10, 1, 0.0), (128, 1, 0.0), (129, 2, 1.5), (300, 3, 1.0)):
+        found, step = _means(np.arange(float(count))[:, None], 0.5)
+        parts = count // each
+        assert step == 0.5 * each
+        assert found[:, 0].tolist() == [first + each * k for k in range(parts)]
+
+
+def test_noise_is_of_the_same_steps_for_gyros_and_level() -> None:
+    """601 intervals are 120 steps of five: the first interval is of no account."""
+    rng = np.random.default_rng(3)
+    phi, level = 1e-5 * rng.normal(size=(601, 3)), 1e-3 * rng.normal(size=(601, 3))
+    inc = MajorIncrements(phi, phi, phi)
+    found, count, step = _noise_shown(inc, 0.5, level, 9.8, SensorNoise())
+    assert (count, step) == (120, 2.5)
+    other, *_ = _noise_shown(inc[1:], 0.5, level[1:], 9.8, SensorNoise())
+    for one, same in zip(vars(found).values(), vars(other).values(), strict=True):
+        assert (one is None) == (same is None)
+        assert one is None or one == pytest.approx(same, rel=1e-6)
 
 
 def test_too_short_is_refused() -> None:

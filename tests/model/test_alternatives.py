@@ -100,6 +100,19 @@ def test_free_azimuth_is_the_wander_azimuth_but_for_its_frame() -> None:
         assert np.array_equal(compiled.q, free.q)
 
 
+@pytest.mark.parametrize("lat", [40.0, -70.0])
+def test_free_azimuth_at_rest_turns_by_the_earths_vertical_rate(lat: float) -> None:
+    """It stands still among the stars: Ω sin φ t, but for mm by the extrapolation."""
+    where = at_rest(radians(lat), 0.1, 200.0, heading=1.0)
+    increments, start = exact_increments(where, 300, 2.0), where.state(np.zeros(1)).state(0)
+    found = Navigator(start, 2.0, azimuth="free").run(increments)
+    turned = 7.292115e-5 * np.sin(radians(lat)) * 2.0 * np.arange(1, 301)
+    assert np.abs(found.wander - turned).max() < 1e-10
+    assert np.abs(found.euler[:, 2] - 1.0).max() < 1e-10
+    assert np.abs(found.lat - start.lat).max() * 6.4e6 < 2e-3
+    assert np.abs(found.v).max() < 1e-5
+
+
 def test_free_azimuth_over_the_pole() -> None:
     motion = over_the_pole(before=60.0)
     count, T = 240, 0.5
@@ -143,10 +156,23 @@ def test_spin_accel_over_the_earth_is_its_closed_form() -> None:
     assert straight.north(t) == pytest.approx(t * t)
 
 
+def test_a_whole_float_counts_intervals_too() -> None:
+    inc, start = exact_increments(TURN, 8, 0.05), TURN.state(np.zeros(1)).state(0)
+    for name in ("position_every", "level_every"):
+        one, other = (
+            Navigator(start, 0.05, **{name: every}).run(inc)  # type: ignore[arg-type]
+            for every in (4, 4.0)
+        )
+        assert np.array_equal(one.v, other.v)
+        assert not np.array_equal(one.v, Navigator(start, 0.05).run(inc).v)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"level_every": 0}, "level every 0 intervals is not allowed"),
+        ({"level_every": 1.5}, "level every 1.5 intervals is not allowed"),
+        ({"position_every": 2.5}, "position every 2.5 intervals is not allowed"),
         ({"azimuth": "north"}, "give wander or free"),
         ({"attitude": "euler"}, "quaternion or cosines"),
         ({"attitude": "cosines", "compiled": True}, "compiled: not with cosines"),

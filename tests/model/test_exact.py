@@ -5,12 +5,13 @@ from __future__ import annotations
 from math import radians
 
 import numpy as np
+import pytest
 
 from host_path import chained
 from sculler_model.frames import conjugate, product, to_rotation_vector
 from sculler_model.host import velocity_rotation
 from sculler_model.motion import Motion, at_rest, turn_motion
-from sculler_model.navigation import exact_increments
+from sculler_model.navigation import exact, exact_increments
 
 
 def test_at_rest_they_are_the_constant_rate_and_force() -> None:
@@ -31,6 +32,15 @@ def test_long_intervals_are_short_ones_one_after_the_other() -> None:
         turned = chained((1.0, 0.0, 0.0, 0.0), coarse.phi[number : number + 1])
         apart = to_rotation_vector(product(whole, conjugate(turned)))
         assert np.abs(apart).max() < 1e-14
+
+
+def test_many_go_block_by_block(monkeypatch: pytest.MonkeyPatch) -> None:
+    where = turn_motion(coning_half_angle=0.01, coning_hz=0.5)
+    whole = exact_increments(where, 20, 0.1)
+    monkeypatch.setattr(exact, "_BLOCK", 7)
+    found = exact_increments(where, 20, 0.1)
+    assert np.array_equal(found.phi, whole.phi)
+    assert np.array_equal(found.dv_sf, whole.dv_sf)
 
 
 def test_none() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from math import cos, radians, sin, sqrt
 
@@ -206,9 +207,26 @@ def test_a_unit_that_moves_is_told() -> None:
     assert any(warning.startswith("velocity strays") for warning in found.warnings)
 
 
+def test_the_warning_of_a_surprise_begins_at_twice_the_noise() -> None:
+    _, inc = rest()
+    found = align_finely(inc, INTERVAL, LAT, H)
+    assert replace(found, surprise=4.0).warnings == ()
+    (said,) = replace(found, surprise=4.41).warnings
+    assert said.startswith("velocity strays 2.1 times as far as the stated noise")
+
+
+def test_navigation_grade_is_what_its_words_say() -> None:
+    """0.002 °/√h, 5 µg/√Hz (to 2 %), 0.01 °/h, 1 mm/s."""
+    assert NAVIGATION_GRADE.angle_random_walk == pytest.approx(radians(0.002) / 60)
+    assert NAVIGATION_GRADE.velocity_random_walk == pytest.approx(5e-6 * 9.80665, rel=0.02)
+    assert NAVIGATION_GRADE.gyro_bias == pytest.approx(radians(0.01) / 3600)
+    assert (NAVIGATION_GRADE.velocity_noise, NAVIGATION_GRADE.accel_bias) == (1e-3, None)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
+        ({"accel_bias": float("inf")}, "accel_bias inf"),
         ({"angle_random_walk": -1e-9}, "angle_random_walk -1e-09"),
         ({"gyro_bias": float("nan")}, "gyro_bias nan"),
         ({"velocity_noise": 0.0}, "velocity_noise 0.0"),

@@ -26,7 +26,7 @@ from sculler_model.navigation import (
     table_of_gravity,
 )
 from sculler_model.navigation.compiled import compiled_run
-from sculler_model.navigation.gravity import covers
+from sculler_model.navigation.gravity import covers, refuse_outside
 
 A, GM, RATE = Decimal(6378137), Decimal("3.986004418e14"), Decimal("7.292115e-5")
 F = 1 / Decimal("298.257223563")
@@ -159,6 +159,7 @@ def test_a_constant_is_the_same_everywhere() -> None:
     assert gravity_at(constant_gravity(9.81), 0.3, 5e3) == (0.0, 9.81)
     assert constant_gravity().value == 9.80665
     assert str(constant_gravity(9.81)) == "constant, 9.81 m/s²"
+    assert str(NORMAL) == "normal field of WGS-84"
 
 
 def test_a_measured_value_holds_everywhere_as_an_excess() -> None:
@@ -244,6 +245,26 @@ def test_alignment_holds_the_force_against_the_model() -> None:
         align(increments, 0.01, REST.lat, REST.h).gravity
         == gravity_at(NORMAL, sin(REST.lat), 400)[1]
     )
+
+
+def test_where_a_table_ends_is_told() -> None:
+    heights = np.array([0.0, 900.0])
+    two = table_of_gravity(np.radians([47.0, 48.5]), heights, np.full((2, 2), 9.8))
+    with pytest.raises(InputError) as raised:
+        refuse_outside(two, 7.25, radians(46.9), 500.0)
+    assert str(raised.value) == (
+        "time 7.250 s: latitude 46.9° and height 500 m are outside the gravity table (latitudes"
+        " 47 to 48.5°, heights 0 to 900 m), extend it"
+    )
+    one = table_of_gravity(np.radians([47.0]), heights, np.full((1, 2), 9.8))
+    with pytest.raises(InputError, match=r"\(latitudes all°, heights 0 to 900 m\)"):
+        refuse_outside(one, 0.0, 0.0, 901.0)
+    refuse_outside(one, 0.0, 0.0, 900.0)
+    for height in (-10_001.0, 1_000_001.0, float("nan")):
+        with pytest.raises(InputError, match="the height has run away"):
+            refuse_outside(NORMAL, 0.0, 0.0, height)
+    for height in (-10_000.0, 1_000_000.0):
+        refuse_outside(NORMAL, 0.0, 0.0, height)
 
 
 @pytest.mark.parametrize("value", [980.665, 1.0, float("nan"), -9.8])

@@ -169,6 +169,89 @@ def test_where_there_is_no_height_the_loop_rests(kind: str) -> None:
     assert np.abs(np.diff(found.v[20:90, 2], 2)).max() > 1e-6
 
 
+def test_geographic_streaming_is_the_whole_run() -> None:
+    """In a climb, with heights of some age: single updates, parts, bit for bit."""
+    interval, count = 0.125, 60
+    climb = Motion(radians(45), 0.1, 300.0, up=Curve((0.0, 5.0)))
+    times = interval * np.arange(count)
+    reference = HeightReference(times[::4], 301 + 5 * times[::4], lag=0.125)
+    increments = replace(exact_increments(climb, count, interval), heights=reference.at(times))
+    start = climb.state(np.zeros(1)).state(0)
+
+    def fresh() -> GeographicNavigator:
+        return GeographicNavigator(start, interval, height_damping=HeightDamping(None, 20.0))
+
+    whole = fresh().run(increments)
+    assert np.array_equal(steps(fresh(), increments).v, whole.v)
+    parts = fresh()
+    halves = [parts.run(increments[:17]), parts.run(increments[17:])]
+    assert np.array_equal(NavHistory.concatenate(halves).h, whole.h)
+    assert whole.time.tolist() == (interval * np.arange(1, count + 1)).tolist()
+    assert parts.state == whole.state(count - 1)
+    assert np.abs(whole.h[-1] - climb.state(times[-1:] + interval).h[0]) > 0.1  # it does follow
+
+
+@pytest.mark.parametrize("kind", ["wander", "geographic"])
+def test_a_height_is_of_the_interval_s_start_if_its_age_is_not_told(kind: str) -> None:
+    """It is held against the height then: 5 m/s of climb make a metre of 0.2 s."""
+    climb = Motion(radians(45), 0.1, 300.0, up=Curve((0.0, 5.0)))
+    increments = exact_increments(climb, 1, T)
+    start = climb.state(np.zeros(1)).state(0)
+    phi, dv = tuple(increments.phi[0].tolist()), tuple(increments.dv_sf[0].tolist())
+    told = [
+        carrier(kind, start, T, 20.0).update(phi, dv, height=300.0, **age).h  # type: ignore[arg-type]
+        for age in ({}, {"height_age": 0.0}, {"height_age": 0.2})
+    ]
+    assert told[0] == told[1]
+    assert told[2] - told[1] == pytest.approx(T * 3 / 20, rel=0.1)  # k1 of 1 m too low
+
+
+def test_gains_put_all_poles_where_they_are_said_to_be() -> None:
+    """s³ + k1 s² + (k2 - 2g/R) s + k3 = (s + 1/τ)³."""
+    k1, k2, k3 = HeightDamping(0.0, 20.0).gains
+    free = 2 * 9.7803253359 / 6378137.0
+    assert (k1, k2 - free, k3) == pytest.approx((3 / 20, 3 / 400, 1 / 8000), rel=1e-12)
+
+
+def test_figures_of_a_loop_by_hand() -> None:
+    plain = HeightDamping()
+    assert (plain.reference, plain.seconds, plain.hold) == (None, 100.0, 10.0)
+    loop = HeightDamping(0.0, 30.0)
+    assert loop.transient(-0.01) == pytest.approx(2 * np.exp(-2) * 0.01 * 900, rel=1e-14)
+    assert loop.noise_left(2.0, 1.5) == pytest.approx(2 * sqrt(33 * 1.5 / 480), rel=1e-14)
+
+
+def test_a_height_is_held_to_at_its_limits() -> None:
+    keeper = HeightKeeper(HeightDamping(None, 20.0, hold=0.5), 0.1)
+    for height in (-10e3, 1000e3):
+        keeper.measured(height, 0.5)
+        assert keeper.held == (height, 0.5)
+        for beyond in (height * (1 + 1e-12), np.inf, np.nan):
+            with pytest.raises(InputError, match="is not allowed"):
+                keeper.measured(beyond, 0.5)
+    for age in (np.inf, np.nan):
+        with pytest.raises(InputError, match="is not allowed"):
+            keeper.measured(0.0, age)
+    for age, held in ((0.0, (5.0, 0.0)), (0.501, (0.0, -1.0)), (-1e-9, (0.0, -1.0))):
+        keeper.measured(5.0, age)
+        assert keeper.held == held
+    keeper.measured(5.0, 0.0)
+    keeper.passed()
+    assert keeper.held == (5.0, 0.1)
+
+
+def test_heights_that_increments_tell_are_held_to_row_by_row() -> None:
+    """Too old and none: the loop rests; what follows holds to the last one."""
+    keeper = HeightKeeper(HeightDamping(300.0, 20.0, hold=0.5), 0.1)
+    nothing = np.zeros((0, 2))
+    assert keeper.told(nothing, 0) is nothing
+    assert keeper.told(None, 2).tolist() == [[300.0, 0.0]]
+    rows = np.array([[7.0, 0.5], [8.0, 0.6], [9.0, -0.1], [10.0, 0.0]])
+    found = keeper.told(rows, 4)
+    assert found.tolist() == [[7.0, 0.5], [0.0, -1.0], [0.0, -1.0], [10.0, 0.0]]
+    assert keeper.held == (10.0, 0.1)
+
+
 def test_a_height_ages_until_it_is_held_to_no_longer() -> None:
     """Measured 0.25 s before an interval, of 0.1 s each, and held to for 0.5 s."""
     for ahead in (True, False):
@@ -195,6 +278,46 @@ def test_a_stream_forgets_what_lies_far_behind(monkeypatch: pytest.MonkeyPatch) 
     assert found == [[0.0, -1.0], [106.0, 0.0], [107.0, 0.5], [108.0, 1.0]]
 
 
+def test_twice_as_many_values_are_kept_as_stay() -> None:
+    reference = HeightReference()
+    for second in range(8193):
+        if second in (0, 8192):
+            assert len(reference.times) == second
+        reference.add(second, 1.0)
+    assert reference.times.tolist() == [*range(4097, 8193)]
+    assert HeightReference.KEPT == 4096
+
+
+def test_a_value_counts_from_its_stamp_on_but_for_rounding() -> None:
+    reference = HeightReference([1.0, 2.0], [10.0, 20.0])
+    found = reference.at([1 - 2e-9, 1 - 5e-10, 2 - 2e-9, 2 - 5e-10, 2.0]).tolist()
+    assert [height for height, _ in found] == [0.0, 10.0, 10.0, 20.0, 20.0]
+    assert [age for _, age in found] == pytest.approx([-1.0, 0.0, 1.0, 0.0, 0.0], abs=3e-9)
+    assert found[1][1] == found[3][1] == 0.0
+    assert (reference.lag, reference.noise, reference.every) == (0.0, 0.0, 1.0)
+    assert HeightReference([1.0], [10.0]).every == 0.0
+    assert HeightReference([0.0, 4.0], [0.0, 0.0]).hold == 12.0
+
+
+def test_a_stream_runs_forwards_value_by_value() -> None:
+    reference = HeightReference()
+    reference.add(-5.0, 0.0)
+    reference.add(1.0, 0.0)
+    for time in (1.0, 0.0):
+        with pytest.raises(InputError, match=f"time {time:g} s does not come after 1 s"):
+            reference.add(time, 0.0)
+    assert len(reference.times) == 2  # they are put to the others
+    with pytest.raises(InputError, match="time 1 s does not come after 1 s"):
+        reference.add(1.0, 0.0)
+    for height in (-10e3 - 1e-6, 1000e3 + 1e-6):
+        with pytest.raises(InputError, match="m is not allowed"):
+            reference.add(2.0, height)
+    for height in (-10e3, 1000e3):
+        reference.add(height + 20e3, height)
+    with pytest.raises(InputError, match="a time is not finite"):
+        reference.add(np.inf, 0.0)
+
+
 def test_a_stream_of_values() -> None:
     reference = HeightReference(lag=0.5, noise=2.0)
     assert reference.at([1.0]).tolist() == [[0.0, -1.0]]
@@ -215,7 +338,15 @@ def test_a_stream_of_values() -> None:
         (lambda: HeightReference([0, 0.0], [1.0, 2]), "time 0 s does not come after 0 s"),
         (lambda: HeightReference([0], [2e6]), "2e\\+06 m is not allowed"),
         (lambda: HeightReference([float("nan")], [2]), "a time is not finite"),
+        (lambda: HeightReference([3, 2, 1], [1, 2, 3.0]), "time 2 s does not come after 3 s"),
+        (lambda: HeightReference([[0, 1]], [[1.0, 2]]), "do not fit"),
         (lambda: HeightReference(lag=-1), "lag -1 is not allowed"),
+        (lambda: HeightReference(lag=float("inf")), "lag inf is not allowed"),
+        (lambda: HeightReference(noise=-1e-9), "noise -1e-09 is not allowed"),
+        (lambda: HeightDamping(0.0, -0.5), "time constant -0.5 s is not allowed"),
+        (lambda: HeightDamping(0.0, float("inf")), "time constant inf s is not allowed"),
+        (lambda: HeightDamping(0.0, 10.0, -0.5), "hold -0.5 s is not allowed"),
+        (lambda: HeightDamping(0.0, 10.0, float("inf")), "hold inf s is not allowed"),
         (lambda: HeightReference([1], [2]).add(0.5, 3.0), "does not come after"),
         (lambda: HeightDamping(0.0, 10.0, 0.0), "hold 0.0 s is not allowed"),
     ],

@@ -15,6 +15,7 @@ from sculler_model.errors import InputError
 from sculler_model.frames import from_rotation_vector, product, radii
 from sculler_model.motion import great_circle, hour_flight, over_the_pole
 from sculler_model.navigation import Comparison, NavHistory, interpolated, navigation_errors
+from sculler_model.navigation.interpolation import slack
 
 FLIGHT = hour_flight(radians(48), radians(11), 500.0)
 
@@ -84,6 +85,97 @@ def test_interpolation_on_a_smooth_track() -> None:
     exact = found.rows(np.array([0, 3, 5]))
     assert np.array_equal(exact.q, whole.q[[0, 7, 19]])
     assert np.array_equal(exact.lon, whole.lon[[0, 7, 19]])
+
+
+def test_without_velocities_the_position_goes_straight() -> None:
+    """And with them it is the cubic: 10 m up in 2 s, from rest to rest, 1.5625 m after ½ s."""
+    q, still, place = np.array([(1.0, 0, 0, 0)] * 2), np.zeros((2, 3)), np.array([0.5, 0.6])
+    times = np.array([4.0, 6.0])
+    history = NavHistory(times, q, still, place, place, np.array([100.0, 110.0]))
+    for known, h in ((True, 101.5625), (False, 102.5)):
+        each = history if known else replace(history, v=np.full((2, 3), np.nan))
+        found, count = interpolated(each, np.array([4.5, 6.0]))
+        assert count == 1
+        assert found.h == pytest.approx([h, 110.0], rel=1e-15)
+        assert found.lat == pytest.approx([0.5 + 0.01 * (h - 100), 0.6], rel=1e-14)
+        assert found.lon == pytest.approx(found.lat, rel=1e-14)
+        assert np.isnan(found.v).all() != known
+
+
+@pytest.mark.parametrize("start", [0.0, 1.4e9])
+def test_the_same_instant_is_the_same_to_what_a_float_can_tell(start: float) -> None:
+    """10 ns, and four places of a float where these are more: 0.95 µs since 1970."""
+    near = 1e-8 if start == 0.0 else 4 * 2.0**-22
+    assert slack(np.array([start, -start])) == pytest.approx([near, near], rel=1e-9)
+    motion = great_circle(0.7, 0.1, 9000.0, 1.3, 250.0)
+    history = motion.state(np.arange(3.0))
+    object.__setattr__(history, "time", start + np.arange(3.0))
+    for times, between in (([0.5, 0.75], 1), ([0.5, 1.25], 2)):
+        asked = start + 1 + near * np.array([-times[0], times[1]])
+        found, count = interpolated(history, asked)
+        assert count == between - 1
+        assert found.h[0] == history.h[1]
+
+
+def test_what_a_truth_does_not_tell_is_no_error() -> None:
+    """Position left out: its north is the estimate's.  Velocity or attitude: NaN, nothing else."""
+    truth = FLIGHT.state(np.linspace(200, 300, 5))
+    estimate = replace(
+        truth,
+        q=turned(truth.q, (3e-5, -2e-5, 5e-5)),
+        v=truth.v + np.array([0.1, -0.2, 0.3]),
+        h=truth.h - 4,
+    )
+    nothing = np.full(5, np.nan)
+    placeless = navigation_errors(estimate, replace(truth, lat=nothing, lon=nothing, h=nothing))
+    assert np.allclose(placeless.attitude, [3e-5, -2e-5, 5e-5], atol=1e-9)
+    assert np.allclose(placeless.velocity, [0.1, -0.2, 0.3], atol=1e-9)
+    assert np.isnan(placeless.position).all()
+    speedless = navigation_errors(estimate, replace(truth, v=np.full((5, 3), np.nan)))
+    assert np.isnan(speedless.velocity).all()
+    assert np.allclose(speedless.position, [0, 0, 4], atol=1e-6)
+    for each, known in (
+        ({"v": np.full((201, 3), np.nan)}, {"attitude", "position"}),
+        ({name: np.full(201, np.nan) for name in ("lat", "lon", "h")}, {"attitude", "velocity"}),
+        ({"q": np.full((201, 4), np.nan)}, {"velocity", "position"}),
+    ):
+        told = Comparison(iter([replace(FLIGHT.state(RUN), **each)]), 0.01, "truth.csv")  # type: ignore[arg-type]
+        told.add(drifting(RUN))
+        told.finish()
+        assert set(told.figures()) == set(told.known) == known
+        growth = 2.0 if "position" in known else 0.0
+        assert told.growth == pytest.approx(growth, rel=1e-5)
+
+
+def test_a_row_within_twenty_steps_is_preferred_to_begin_with() -> None:
+    """Rows between the run's instants but for one, so many steps of the sparser of the two on."""
+    for at, exact in ((20, True), (21, False)):
+        times = 0.1 * np.arange(40) + 0.003
+        times[at + 1] = 0.1 * (at + 1)
+        comparison = Comparison(iter([FLIGHT.state(times)]), 0.1, "truth.csv")
+        found = comparison.start(0.1 * np.arange(40))
+        assert found is not None
+        assert found.interpolated != exact
+        assert found.row == (at + 1 if exact else 1)
+
+
+def test_a_truth_of_one_row_at_first_is_joined_with_what_follows() -> None:
+    truth = FLIGHT.state(RUN)
+    for sizes in ((1, 200), (2, 199), (1, 1, 199)):
+        cuts = np.cumsum((0, *sizes))
+        parts = [truth.rows(slice(a, b)) for a, b in pairwise(cuts.tolist())]
+        comparison = Comparison(iter(parts), 0.01, "truth.csv")
+        comparison.add(truth)
+        comparison.finish()
+        assert comparison.instants == 201
+        assert comparison.first == truth.state(0)
+
+
+def test_a_truth_has_ended_only_after_its_last_row() -> None:
+    comparison = Comparison(blocks(FLIGHT.state(RUN), 50), 0.01, "truth.csv")
+    assert not comparison.ended(0.3)
+    assert not comparison.ended(2.0 + 5e-9)
+    assert comparison.ended(2.0 + 2e-8)
 
 
 def test_interpolated_attitude_turns_evenly() -> None:

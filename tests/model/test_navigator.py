@@ -30,6 +30,7 @@ from sculler_model.navigation import (
     navigate,
     trajectory,
 )
+from sculler_model.navigation.state import wrapped
 
 LEVEL = NavState(0.0, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.8, 0.2, 100.0)
 
@@ -304,6 +305,41 @@ def test_flying_into_the_pole_is_refused() -> None:
         navigate(start, 0.1, inc, GeographicNavigator)
     with pytest.raises(InputError, match="at a pole there is no north"):
         GeographicNavigator(start._replace(lat=-pi / 2), 0.1)
+
+
+def test_increments_of_unlike_shapes_are_refused() -> None:
+    inc = MajorIncrements(np.zeros((5, 3)), np.zeros((5, 3)), np.zeros((4, 3)))
+    with pytest.raises(InputError, match=r"shapes \(5, 3\), \(4, 3\) differ, give \(R, 3\) each"):
+        Navigator(LEVEL, 0.01).run(inc)
+
+
+def test_azimuths_are_brought_to_half_a_turn() -> None:
+    """Heading less wander angle, of a state and of many."""
+    for heading, wander, azimuth in (
+        (3.0, -3.0, 6.0 - 2 * pi),
+        (-3.0, 3.0, 2 * pi - 6.0),
+        (1.0, -2.0, 3.0),
+        (-1.0, 2.0, -3.0),
+    ):
+        state = LEVEL._replace(q=from_euler(0.0, 0.0, heading), wander=wander)
+        assert state.azimuth == pytest.approx(azimuth)
+        assert NavHistory.from_states([state]).azimuth == pytest.approx([azimuth])
+    assert [wrapped(angle) for angle in (pi, -pi)] == [pi, -pi]
+    assert wrapped(pi + 0.5) == pytest.approx(0.5 - pi)
+    assert wrapped(-pi - 0.5) == pytest.approx(pi - 0.5)
+
+
+def test_times_count_from_the_start_by_intervals() -> None:
+    """Of single updates and of runs, one after another, with nothing in between."""
+    still = MajorIncrements(*np.zeros((3, 3, 3)))
+    for kind in (Navigator, GeographicNavigator):
+        navigator = kind(LEVEL._replace(time=100.0), 0.25)
+        told = [navigator.update((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)).time]
+        told += navigator.run(still).time.tolist()
+        assert len(navigator.run(still[:0])) == 0
+        told += navigator.run(replace(still[:0], times=np.zeros(0))).time.tolist()
+        told += [navigator.update((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)).time]
+        assert told == [100.25, 100.5, 100.75, 101.0, 101.25]
 
 
 def test_a_displacement_that_is_not_finite_is_refused() -> None:

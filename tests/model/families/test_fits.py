@@ -136,7 +136,7 @@ def test_a_denominator_that_holds_the_constraint_where_the_factor_is_small() -> 
 
 def test_sixteen_taps_are_the_most() -> None:
     assert _checked_count(Balance(12), 5) == 16
-    with pytest.raises(InputError, match="17 is too large for a least-squares fit, .* up to 16"):
+    with pytest.raises(InputError, match=r"17 is too large for a least-squares fit, .* up to 16"):
         _checked_count(Balance(12, "rate"), 5)
     assert _checked_count(Balance(1, "rate"), 0) == 1
 
