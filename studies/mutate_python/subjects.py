@@ -130,8 +130,9 @@ SUBJECTS = {
             *_sources(f"{_MODEL}/navigation", "comparison errors interpolation"),
         ),
         (
-            *_tests("model", "navigation_errors values"),
+            *_tests("model", "navigation_errors"),
             *_tests("cli", "binary_files channels instants"),
+            *_tests("model", "values"),  # it loads Numba: what is printed then goes through loops
         ),
         _CHAIN,
     ),

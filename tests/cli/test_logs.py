@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sculler.formats import log_text
 from sculler.formats.lines import BLOCK_BYTES, whole_lines
 from sculler.formats.log import Chunk, LogWriter, read_log
 from sculler.formats.log_text import _Layout, _nanoseconds, decimals, is_far
@@ -287,8 +289,9 @@ def test_binary_rows_are_refused(tmp_path: Path, small: Design) -> None:
 
 @pytest.mark.parametrize("name", ["absent.csv", "."])
 def test_unreadable_log(tmp_path: Path, small: Design, name: str) -> None:
-    with pytest.raises(InputError, match="cannot read the log"):
-        read(tmp_path / name, small)
+    path = tmp_path / name
+    with pytest.raises(InputError, match=f"^{re.escape(str(path))}: cannot read the log"):
+        read(path, small)
 
 
 def test_line_numbers_far_into_a_long_log(tmp_path: Path, small: Design) -> None:
@@ -600,6 +603,59 @@ def test_what_the_loops_do_not_take_is_read_without_them(small: Design, taken: i
     chunk = layout.read(f"{ROW}\n".encode(), 2, loops)
     assert chunk.counts.tolist() == [[6] * 6 if taken else [1, -2, 3, -4, 5, -6]]
     assert chunk[1:] == (None,) * 5
+
+
+@pytest.mark.parametrize(
+    ("times", "origin", "loop"),
+    [
+        (None, 0.0, "rows"),
+        (None, 2.0**33, "rows"),
+        ([0.5, 2.0], 7.0, "rows"),
+        ([0.5, 2.0], 2.0**33, "stamped"),
+        ([0.5, 2e6], 2.0**33, None),  # further from the origin than nanoseconds are sure
+        ([1e-9, 2.0], 0.0, None),  # it would have an exponent
+    ],
+)
+def test_which_loop_prints_what(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    times: list[float] | None,
+    origin: float,
+    loop: str | None,
+) -> None:
+    """Stamps of a far clock as whole nanoseconds; what no loop prints right, Python does."""
+
+    def printing(name: str) -> Any:
+        def loop(*arguments: Any) -> int:
+            told = f"{name}\n".encode()
+            arguments[-1][: len(told)] = np.frombuffer(told, np.uint8)
+            return len(told)
+
+        return loop
+
+    loops = SimpleNamespace(
+        print_stamped=printing("stamped"), print_rows=printing("rows"), upper=None
+    )
+    monkeypatch.setattr(log_text, "kernels", lambda *_, **__: loops)
+    path = tmp_path / "log.csv"
+    stamps = None if times is None else np.array(times)
+    with LogWriter(path, times=times is not None) as writer:
+        writer.write(np.zeros((2, 6), np.int64), times=stamps, origin=origin)
+    _, *lines = path.read_text().splitlines()
+    if loop is None:
+        assert stamps is not None
+        assert [line.rpartition(",")[2] for line in lines] == decimals(stamps, origin)
+    else:
+        assert lines == [loop]
+
+
+@pytest.mark.parametrize("mark", ["fault", "sequence"])
+def test_marks_that_are_text_are_refused(tmp_path: Path, small: Design, mark: str) -> None:
+    columns = {name: np.zeros(2, np.int64) for name in HEADER.split(",")}
+    for wrong in (np.array(["0", "1"]), np.array([b"0", b"1"]), np.array([0.0, 1.0])):
+        np.savez(tmp_path / "log.npz", **columns, **{mark: wrong})
+        with pytest.raises(InputError, match=f"{mark} is of type .*, give whole numbers"):
+            read(tmp_path / "log.npz", small)
 
 
 def test_a_writer_wants_stamps_exactly_where_it_has_the_column(tmp_path: Path) -> None:

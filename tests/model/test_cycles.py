@@ -329,6 +329,27 @@ def test_any_timing_and_stalls(
     assert_keeps_contract(design, timing, drive(design, timing, 300, seed, *rates, give_up))
 
 
+def test_a_sample_is_compensated_before_the_core_by_hand() -> None:
+    """Taken in 0, by the core in 4, the next in 5; what is lost meanwhile marks the next."""
+    design = make_design("ahead", 1, 1, 1, (8, 8))
+    model = CycleModel(design, Timing(3, compensation=4))
+    offers = [ZERO, ZERO, None, None, None, *[ZERO] * 11]
+    seen = [model.clock(offered, 1) for offered in offers]
+    assert [t for t, ports in enumerate(seen) if ports.sample_ready] == [0, 5, 10, 15]
+    # 4 and 3 clocks later; of the first the sample before it lacks, before the second one was lost
+    shown = {t: ports.result[:2] for t, ports in enumerate(seen) if ports.result_valid}
+    assert shown == {7: (0, 1), 12: (1, 8)}
+    assert [ports.samples_lost for ports in seen] == [0] * 4 + [1] * 12
+
+
+def test_a_clock_of_work_waits_for_the_engine_too() -> None:
+    """Phase 1 keeps it for five clocks, phase 2 for one."""
+    design = make_design("busy", 2, 0, 2, (8, 8))
+    model = CycleModel(design, Timing(1, work=(5, 1)))
+    ready = [t for t in range(18) if model.clock(ZERO, 1).sample_ready]
+    assert ready == [0, 5, 6, 11, 12, 17]
+
+
 def test_no_stall_when_results_are_taken_at_once() -> None:
     design = make_design("flow", 2, 1, 3, (8, 8))
     trace = drive(design, Timing(4), clocks=200, seed=1, offer=1, take=1)

@@ -25,6 +25,7 @@ from sculler_model.host import (
     major_increments,
     one_minus_cosine,
     one_minus_sine,
+    scaling,
     second_order_corrections,
     uncorrected,
     velocity_rotation,
@@ -204,6 +205,18 @@ def test_corrections_of_intervals_taken_as_one(minors: int) -> None:
         assert np.abs(one).max() > 0
     one = major_increments(long, whole)
     assert one.phi[0] - one.alpha[0] == pytest.approx(found[0], rel=1e-12)
+
+
+def test_without_numba_it_is_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    design = fine_design(2, minors=3, gyro_lsb=1e-6, accel_lsb=1e-4)
+    block = block_of(np.random.default_rng(5).integers(-900, 900, (4, 18)))
+    expected = major_increments(design, block)
+    monkeypatch.setattr(scaling, "compiled_scale", lambda: None)
+    monkeypatch.setattr(scaling, "WORTH_COMPILING", 0)
+    monkeypatch.setattr(scaling, "WORTH_WHEN_LOADED", 0)
+    found = major_increments(design, block)
+    for name in ("phi", "alpha", "dv_sf"):
+        assert np.array_equal(getattr(found, name), getattr(expected, name))
 
 
 def test_uncorrected_drops_only_coning_and_sculling() -> None:

@@ -15,6 +15,7 @@ from sculler_model.errors import InputError
 from sculler_model.frames import from_rotation_vector, product, radii
 from sculler_model.motion import great_circle, hour_flight, over_the_pole
 from sculler_model.navigation import Comparison, NavHistory, interpolated, navigation_errors
+from sculler_model.navigation.errors import NAUTICAL_MILE
 from sculler_model.navigation.interpolation import slack
 
 FLIGHT = hour_flight(radians(48), radians(11), 500.0)
@@ -321,6 +322,17 @@ def test_no_instant_is_compared_twice() -> None:
     comparison = Comparison(blocks(FLIGHT.state(0.1 * np.arange(21)), 4), 0.01, "truth.csv")
     times = [comparison.add(part)[1].time for part in blocks(FLIGHT.state(RUN), 11)]
     assert np.concatenate(times) == pytest.approx(0.1 * np.arange(21))
+
+
+def test_a_run_without_a_state_has_nothing_in_common() -> None:
+    comparison = Comparison(blocks(FLIGHT.state(RUN), 50), 0.01, "truth.csv")
+    with pytest.raises(InputError, match=r"goes from 0 s to 2 s and .* the run from 0 s to 0 s"):
+        comparison.finish()
+
+
+def test_a_nautical_mile() -> None:
+    """By its definition, m."""
+    assert NAUTICAL_MILE == 1852
 
 
 def test_no_truth_at_all() -> None:
