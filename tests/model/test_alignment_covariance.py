@@ -162,5 +162,5 @@ def test_the_mean_walk_is_that_over_what_it_may_be(shown: float, walk: float) ->
         chances = np.exp(at_shown - np.array([least(each) for each in walks.tolist()]))
         total += odds * float(chances.mean())
         squares += odds * float((chances * walks**2).mean())
-    found = _mean_walk(power, spectra, axes, shown)
+    found = 1e10 * _mean_walk(1e-10 * power, spectra, axes, 1e-5 * shown)  # of tilts in rad
     assert np.sqrt(found) == pytest.approx(np.sqrt(squares / total), rel=0.25)
