@@ -513,7 +513,7 @@ def test_a_header_of_4096_bytes_is_the_longest(tmp_path: Path, small: Design) ->
         if length == 4096:
             assert read(path, small)[0].tolist() == [[1, -2, 3, -4, 5, -6]]
         else:
-            with pytest.raises(InputError, match="line 2: an empty line"):
+            with pytest.raises(InputError, match="line 1: more than 4096 bytes, shorten"):
                 read(path, small)
 
 

@@ -247,6 +247,10 @@ def _chunks(
 ) -> Iterator[Chunk]:
     header = file.readline(_MAX_HEADER)
     layout.read_header(header.rstrip(b"\r\n"))
+    if len(header) == _MAX_HEADER and not header.endswith(b"\n"):
+        raise InputError(
+            f"{layout.name}: line 1: more than {_MAX_HEADER} bytes, shorten the header"
+        )
     line, seen = 2, 0
     large = size >= WORTH_READING and kernels(size) is not None
     together = lines.BLOCK_BYTES * (_BLOCKS if large else 1)
