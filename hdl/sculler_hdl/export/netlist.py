@@ -4,10 +4,13 @@ Amaranth 0.5 keeps a number for every bit of every signal.  It looks at the type
 joins them, keeps the name of each for messages, and follows each back through everything that it is
 made of to find combinational loops.  A large core has a million.  While `quick_netlists` lasts
 
+* when a statement is put into a module, nothing looks through what it reads for values of
+  simulators, nor at each bit it drives for a driver in another clock domain: both are refused later
+  (`netlist_statements`);
 * bits are joined without that look, and names of bits are looked up when a message needs them
   (`netlist_bits`);
 * slices and what is joined, of which most values are made, are told by their types alone, and stay
-  the same objects where clock domains are put in;
+  the same objects where clock domains are put in (`netlist_statements`);
 * loops are sought among whole cells first: a loop of bits runs through cells that make a loop, so
   where cells make none there is none.  Where they do, Amaranth's own search decides;
 * of the bits that stay in their module nothing is kept when ports of modules are found;
@@ -26,9 +29,9 @@ from typing import Any
 from unittest.mock import patch
 
 from amaranth.back import rtlil
-from amaranth.hdl import _ast, _ir, _nir, _xfrm
+from amaranth.hdl import _ast, _dsl, _ir, _nir, _xfrm
 
-from sculler_hdl.export import netlist_bits
+from sculler_hdl.export import netlist_bits, netlist_statements
 
 _one_thread_at_a_time = RLock()
 
@@ -226,7 +229,21 @@ def _compute_net_flows(netlist: Any) -> None:
 
 
 _REPLACED: dict[Any, dict[str, Any]] = {
-    _nir.Net: {"from_const": staticmethod(netlist_bits.from_const)},
+    _dsl: {
+        "_check_rhs": netlist_statements.check_nothing,
+        "LHSMaskCollector": netlist_statements.NoTargets,
+    },
+    _xfrm.ValueTransformer: {
+        "on_value": netlist_statements.on_value,
+        "on_Slice": netlist_statements.on_slice,
+        "on_Concat": netlist_statements.on_concat,
+    },
+    _ast.SignalDict: {"__contains__": netlist_statements.contains},
+    _ir.Design: {"_collect_used_signals_value": netlist_statements.collect_used_signals},
+    _nir.Net: {
+        "from_const": staticmethod(netlist_bits.from_const),
+        "from_cell": staticmethod(netlist_bits.from_cell),
+    },
     _nir.Value: {"__new__": netlist_bits.value},
     _nir.Netlist: {
         "add_value_cell": netlist_bits.add_value_cell,
@@ -240,11 +257,7 @@ _REPLACED: dict[Any, dict[str, Any]] = {
         "emit_rhs": netlist_bits.emit_rhs,
         "extend": netlist_bits.extend,
         "connect": netlist_bits.connect,
-    },
-    _ir.Design: {"_collect_used_signals_value": netlist_bits.collect_used_signals},
-    _xfrm.ValueTransformer: {
-        "on_Slice": netlist_bits.on_slice,
-        "on_Concat": netlist_bits.on_concat,
+        "emit_undriven": netlist_bits.emit_undriven,
     },
     rtlil.ModuleEmitter: {"sigspec": netlist_bits.sigspec},
     _ir: {"_compute_net_flows": _compute_net_flows},

@@ -11,12 +11,16 @@ from amaranth.hdl import _ast, _ir, _nir
 
 _CONSTANTS = _nir.Net(0), _nir.Net(1)
 _emit_rhs = _ir.NetlistEmitter.emit_rhs
-_collect_used_signals_value = _ir.Design._collect_used_signals_value
 
 
 def from_const(bit: int) -> Any:
     """As `Net.from_const`: 0 or 1."""
     return _CONSTANTS[bit]
+
+
+def from_cell(cell: int, bit: int) -> Any:
+    """As `Net.from_cell`: a bit of a cell's output."""
+    return _nir.Net(cell << 16 | bit)
 
 
 def value(cls: type, nets: Any = ()) -> Any:
@@ -132,6 +136,15 @@ def connect(emitter: Any, lhs: Any, rhs: Any, *, src_loc: Any) -> None:
     emitter.connect_src_loc[lhs] = src_loc
 
 
+def emit_undriven(emitter: Any) -> None:
+    """As `NetlistEmitter.emit_undriven`: bits that nothing drives have their initial value."""
+    connections = emitter.netlist.connections
+    for signal, nets in emitter.netlist.signals.items():
+        for bit, net in enumerate(nets):
+            if net < 0 and net not in connections:
+                connections[net] = _CONSTANTS[signal.init >> bit & 1]
+
+
 def resolve_value(netlist: Any, nets: Any) -> Any:
     """As `Netlist.resolve_value`: what drives each net."""
     if not nets or min(nets) >= 0:
@@ -173,33 +186,3 @@ def sigspec(emitter: Any, *parts: Any) -> str:
             place += 1
         chunks.append(f"{wire.name} [{low}]" if high == low else f"{wire.name} [{high}:{low}]")
     return chunks[0] if len(chunks) == 1 else "{ " + " ".join(reversed(chunks)) + " }"
-
-
-def on_slice(lowerer: Any, whole: Any) -> Any:
-    """As `ValueTransformer.on_Slice`; a slice of what stays as it is stays too.
-
-    Operators are made anew each time, as Amaranth does it, so that no two uses share a cell.
-    """
-    inner = lowerer.on_value(whole.value)
-    return whole if inner is whole.value else _ast.Slice(inner, whole.start, whole.stop)
-
-
-def on_concat(lowerer: Any, whole: Any) -> Any:
-    """As `ValueTransformer.on_Concat`; what is joined of parts that stay stays too."""
-    parts = [lowerer.on_value(part) for part in whole.parts]
-    same = all(new is old for new, old in zip(parts, whole.parts, strict=True))
-    return whole if same else _ast.Concat(parts)
-
-
-def collect_used_signals(design: Any, fragment: Any, value: Any) -> None:
-    """As `Design._collect_used_signals_value`: marks the signals of a value as used."""
-    kind = type(value)
-    if kind is _ast.Signal:
-        design._use_signal(fragment, value)
-    elif kind is _ast.Slice:
-        design._collect_used_signals_value(fragment, value.value)
-    elif kind is _ast.Concat:
-        for part in {id(part): part for part in value.parts}.values():
-            design._collect_used_signals_value(fragment, part)
-    else:
-        _collect_used_signals_value(design, fragment, value)

@@ -48,10 +48,10 @@ def prepared(component: wiring.Component, name: str) -> tuple[Any, dict[str, Par
     for path, member, signal in component.signature.flatten(component):
         direction = PortDirection.Input if member.flow == wiring.In else PortDirection.Output
         ports["__".join(map(str, path))] = (Value.cast(signal), direction)
-    fragment = Fragment.get(component, None)
-    parts = dict(_below(fragment, name))
-    _empty_modules(fragment)
     with quick_netlists():
+        fragment = Fragment.get(component, None)
+        parts = dict(_below(fragment, name))
+        _empty_modules(fragment)
         design = fragment.prepare(ports=ports, hierarchy=(name,))
     design.elaboratables.clear()
     for each in design.fragments:  # nor is what they were made from

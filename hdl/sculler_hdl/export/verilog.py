@@ -6,7 +6,6 @@ The same design gives the same bytes.
 from __future__ import annotations
 
 import hashlib
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -79,11 +78,7 @@ def generate(design: Design) -> Generated:
 
 def _cells(verilog: str) -> dict[str, str]:
     """The models of those vendor blocks that the text instantiates."""
-    return {
-        name: text
-        for name, text in cell_models().items()
-        if re.search(rf"^  {name} ", verilog, re.M)
-    }
+    return {name: text for name, text in cell_models().items() if f"\n  {name} " in verilog}
 
 
 def _about(design: Design, timing: Timing) -> list[str]:

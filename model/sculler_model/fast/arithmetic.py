@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from itertools import pairwise
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 from sculler_model.design import VECTORS, Design, Interval, cross_range
 from sculler_model.fast.blocks import component_limbs
+from sculler_model.fast.digits import digit_count, split_digits
 from sculler_model.fast.higher_order import FastHigherOrder
 from sculler_model.fast.scrolling import FastHighResolution
 from sculler_model.fast.wide import Integers, as_integers
@@ -46,7 +47,6 @@ Digits: TypeAlias = NDArray[np.int64]
 Terms: TypeAlias = list[tuple[int, int]]
 """Pairs (distance, coefficient) of a weighted sum."""
 
-Number = TypeVar("Number", int, NDArray[Any])
 
 BLOCK = 65536
 """Samples computed at a time: few enough for the cache, many enough for numpy."""
@@ -250,21 +250,6 @@ def _add_products(
             coning -= np.einsum("amr,amr->ar", A[1:], s[:3])
             sculling += np.einsum("vamr,vamr->ar", A_B[:, :3], r_s[:, 1:])
             sculling -= np.einsum("vamr,vamr->ar", A_B[:, 1:], r_s[:, :3])
-
-
-def split_digits(x: Number, bits: int, count: int) -> list[Number]:
-    """x in digits of `bits`, lowest first.  The highest keeps x's sign, the others are >= 0."""
-    digits: list[Number] = []
-    for _ in range(count - 1):
-        digits.append(x & ((1 << bits) - 1))
-        x = x >> bits
-    digits.append(x)
-    return digits
-
-
-def digit_count(interval: Interval, bits: int) -> int:
-    """How many digits of `bits` hold the interval."""
-    return max(-(-(interval.bits - 1) // bits), 1)
 
 
 def is_wide(design: Design) -> bool:

@@ -8,8 +8,10 @@ and d its own, α, υ and S the sums before it (S over 12),
     P_m = 360 r (8 α + b_α + 2 d_α) + 780 α + 102 b_α - 42 d_α - 60 S_α + [r > 0] (300 α + 240 d_α)
     Q_m = 360 r (4 υ + b_υ) + 1020 υ + 78 b_υ + 60 S_υ + [r > 0] 60 υ
 
-The counts on the right are taken in digits, so narrow that no sum passes 64 bits; where even P and
-Q may, everything is Python integers.
+With counts up to c and k = N - 1 - r samples before m, |P| and |Q| are at most 2880 r k + 360 k² +
+1080 (N - 1) + 384 times c, the first two at most 823 (N - 1)²: so they stay below 1024 N² c.  Both
+sides are taken in digits, so narrow that no sum of products passes 64 bits; where even P and Q may,
+everything is Python integers.
 """
 
 from __future__ import annotations
@@ -19,8 +21,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sculler_model.algorithms import scrolling_weights_total
 from sculler_model.design import Interval
+from sculler_model.fast.digits import digit_count, split_digits
 
 
 class FastHighResolution:
@@ -33,14 +35,15 @@ class FastHighResolution:
 
     def __init__(self, samples: int, counts: Interval) -> None:
         self.samples = samples
-        largest = max(-counts.lo, counts.hi)
-        # the sum of all products with a right factor of 1: also more than any P or Q
-        sums = max(2 * scrolling_weights_total(samples), 4096 * samples**2) * largest
-        self._bits = 63 - sums.bit_length()
-        self._dtype = np.dtype(np.int64 if self._bits > 0 else object)
-        if self._bits <= 0:
-            self._bits = counts.bits
-        self._digits = -(-counts.bits // self._bits)
+        left = max(-counts.lo, counts.hi) * 1024 * samples**2  # more than any P or Q
+        self._dtype = np.dtype(np.int64 if left.bit_length() < 64 else object)
+        spare = 63 - (6 * samples).bit_length()  # of a product: three kinds, two of a cross product
+        if left.bit_length() > 63:
+            spare = 2 * left.bit_length()  # one digit on either side
+        self._right_bits = min(counts.bits, spare // 2)
+        self._left_bits = spare - self._right_bits
+        self._left_digits = digit_count(Interval(-left, left), self._left_bits)
+        self._right_digits = digit_count(counts, self._right_bits)
 
     def components(self, rows: NDArray[Any]) -> NDArray[Any]:
         """(R, 9) Python integers: s_alpha, s_nu, scrolling.
@@ -62,21 +65,18 @@ class FastHighResolution:
         P += (360 * r + 102) * b[0] + (720 * r - 42 + 240 * more) * d[0]
         Q = (1440 * r + 1020 + 60 * more) * sums[1] + (360 * r + 78) * b[1] + 60 * s[1]
 
+        left = np.concatenate([P, Q, 18 * b[0]], axis=2)
+        right = np.concatenate([d[1], d[0], b[1]], axis=2)
         scrolling = np.zeros((3, d.shape[2]), object)
-        for digit in range(self._digits):
-            d_low, b_low = (self._digit(x, digit) for x in (d, b[1]))
-            total = _crossed(P, d_low[1]) + _crossed(Q, d_low[0]) + 18 * _crossed(b[0], b_low)
-            scrolling += total.astype(object) << self._bits * digit
+        for i, x in enumerate(split_digits(left, self._left_bits, self._left_digits)):
+            for j, y in enumerate(split_digits(right, self._right_bits, self._right_digits)):
+                place = i * self._left_bits + j * self._right_bits
+                scrolling += _crossed(x, y).astype(object) << place
         return np.concatenate([*doubly[..., -1].astype(object), scrolling]).T
-
-    def _digit(self, x: NDArray[Any], digit: int) -> NDArray[Any]:
-        """A digit of the numbers, the lowest is 0; the highest keeps the sign."""
-        higher: NDArray[Any] = x >> self._bits * digit
-        return higher if digit == self._digits - 1 else higher & ((1 << self._bits) - 1)
 
 
 def _crossed(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
-    """(3, R) sums of left x right over the samples, both (3, R, N)."""
+    """(3, R) sums of left x right over the products, both (3, R, 3 N)."""
     y, z = np.array([1, 2, 0]), np.array([2, 0, 1])
     sums: NDArray[Any] = np.stack(
         [
