@@ -327,6 +327,21 @@ def offered(
     return offers[:clocks]
 
 
+def shown_as_by_events(
+    model: ChannelCycleModel | PipelinedChannelModel,
+    by_events: type[ByEvents] | type[PipelinedByEvents],
+    offers: list[ChannelSample | None],
+    rng: np.random.Generator,
+) -> list[Ports]:
+    """The ports at offers, held to the contract's, before a reset."""
+    takes = (rng.random(len(offers)) < rng.choice([0.2, 0.7, 1.0])).tolist()
+    found = [model.clock(*pair) for pair in zip(offers, takes, strict=True)]
+    assert found == by_events(model.design, model.timing, takes).run(offers)
+    assert any(each.samples_lost for each in found)
+    model.clock(offers[0], 1, rst=1)
+    return found
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_ports_are_those_of_the_contract(seed: int):
     """Any timing, offers that come, wait and go, results that wait, and a reset."""
@@ -344,15 +359,9 @@ def test_ports_are_those_of_the_contract(seed: int):
         loading=int(rng.integers(1, 4)),
         clearing=int(rng.integers(0, 6)),
     )
-    model, clocks = ChannelCycleModel(design, timing), 300
+    model = ChannelCycleModel(design, timing)
     for _ in range(2):
-        offers = offered(design, clocks, seed, rng, longest=9)
-        takes = (rng.random(clocks) < rng.choice([0.2, 0.7, 1.0])).tolist()
-        found = [model.clock(*pair) for pair in zip(offers, takes, strict=True)]
-        expected = ByEvents(design, timing, takes).run(offers)
-        assert found == expected
-        assert any(each.samples_lost for each in found)
-        model.clock(offers[0], 1, rst=1)
+        shown_as_by_events(model, ByEvents, offered(design, 300, seed, rng, longest=9), rng)
     longest = timing.startup + timing.spacing + timing.latency + timing.handover_spacing
     assert timing.longest_wait == longest + 2 * max(timing.work) + timing.clearing
 
@@ -518,15 +527,11 @@ def test_ports_of_a_pipelined_core_are_those_of_the_contract(seed: int):
         apart=lookup + int(rng.integers(0, 5)),
         waiting=int(rng.integers(1, 6)),
     )
-    model, clocks = PipelinedChannelModel(design, timing), 400
+    model = PipelinedChannelModel(design, timing)
     for _ in range(2):
-        offers = offered(design, clocks, seed, rng, longest=4)
-        takes = (rng.random(clocks) < rng.choice([0.2, 0.7, 1.0])).tolist()
-        found = [model.clock(*pair) for pair in zip(offers, takes, strict=True)]
-        assert found == PipelinedByEvents(design, timing, takes).run(offers)
+        offers = offered(design, 400, seed, rng, longest=4)
+        found = shown_as_by_events(model, PipelinedByEvents, offers, rng)
         assert any(each.result_valid for each in found)
-        assert any(each.samples_lost for each in found)
-        model.clock(offers[0], 1, rst=1)
 
 
 def test_figures_that_follow_from_a_pipelined_timing_by_hand():
