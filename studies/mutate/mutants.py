@@ -28,6 +28,7 @@ write_verilog -noattr -norename changed.v
 """While a memory is not written, address and data are x: they become what they are when it is."""
 
 _ASKED = 'if (!$value$plusargs("mutant=%d", {0})) {0} = 0;'
+_OFF = "module turning (output on);\n  assign on = 0;\nendmodule\n"
 _MODULE = re.compile(r"^module \w+_engine_program *\(", re.M)
 _WORD = re.compile(r"words_2\[(\d+)\] = (\d+)'h([0-9a-f]+);")
 
@@ -92,23 +93,47 @@ def changed(name: str, texts: Mapping[str, str], folder: Path, changes: Sequence
         name: of the core.
         texts: core and models of blocks, by name of file; the core is NAME.v.
         folder: to work in, a folder that is there.
-        changes: of the gates, of `Mutants.changes`.
+        changes: of `Mutants.changes`; of the microprogram, what is read of a word is turned over.
 
     Raises:
         InputError: Yosys is not installed.
         ToolError: Yosys failed.
     """
-    commands = "\n".join([_written(name, texts, folder), *_asked(changes)])
+    file = f"{name}.v"
+    texts = {**texts, file: _turning(texts[file], changes)}
+    commands = "\n".join([_written(name, texts, folder), *_asked(name, changes)])
     run_yosys(folder, f"{commands}\n{_WRITE}")
     return (folder / "changed.v").read_text(encoding="utf-8")
 
 
-def _asked(changes: Sequence[str]) -> list[str]:
+def _asked(name: str, changes: Sequence[str]) -> list[str]:
     """The commands that make changes, each where the core's input `mutant` is its number."""
     return [
-        change.replace("mutate ", f"mutate -ctrl mutant 16 {number} ", 1)
+        (
+            f"mutate -mode const1 -module {name}_engine_program -cell turning{number}"
+            " -port on -portbit 0"
+            if of_program(change)
+            else change
+        ).replace("mutate ", f"mutate -ctrl mutant 16 {number} ", 1)
         for number, change in enumerate(changes, start=1)
     ]
+
+
+def _turning(core: str, changes: Sequence[str]) -> str:
+    """The text with a cell for each change of the microprogram, whose output `on` makes it."""
+    cells, turned = [], ""
+    start, end = _program(core)
+    for number, change in enumerate(changes, start=1):
+        if of_program(change):
+            word, bit = place(change)
+            cells.append(f"  wire on{number};\n  turning turning{number} (.on(on{number}));\n")
+            turned += f" ^ ((on{number} && address == {word}) << {bit})"
+    if not cells:
+        return core
+    declared = core.index("  initial ", start)
+    program = core[start:declared] + "".join(cells) + core[declared:end]
+    program = program.replace("<= words_2[address]", f"<= words_2[address]{turned}")
+    return f"{core[:start]}{program}{core[end:]}\n{_OFF}"
 
 
 def _written(name: str, texts: Mapping[str, str], folder: Path) -> str:

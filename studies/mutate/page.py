@@ -55,9 +55,9 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
         " power-up and for all inputs: it is *equivalent*, or it *differs*, and then the bench has"
         " a gap, or this is left *open*. First it is tried whether any register but those that the"
         " change reaches in one or two clocks can ever differ: if none can, no output can. In"
-        " compact cores it is tried then whether registers differ only where nobody looks: the"
-        " place in the program is known, and each other register equal, different or anything, in"
-        " every case there is (`studies/mutate/pairs.py`)."
+        " compact cores it is tried before that whether registers differ only where nobody looks:"
+        " the place in the program is known, and each other register equal, different or anything,"
+        " in every case there is (`studies/mutate/pairs.py`)."
         + _given(found)
         + " It *differs* too if the bench fails it once it is a hundred times as long."
     )
@@ -70,7 +70,7 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
         " decide, as most of the start-up program's, are made unknown (x), all at once, in Icarus"
         " Verilog: if no port shows x in the whole bench, they are *unused*. Every word runs after"
         " each reset or in every interval, whatever the numbers are; but this is no proof for all"
-        " inputs."
+        " inputs. What is open then is held against the core as changes of the gates are."
     )
     yield ""
     yield documents.paragraph(
@@ -87,9 +87,8 @@ def _introduction(found: Found, count: int, seconds: int) -> Iterator[str]:
 def _given(found: Found) -> str:
     """What time the model checker had."""
     every = [each for mutants in found.values() for each in mutants if not each.killed]
-    gates = [each for each in every if not of_program(each.change)]
-    tried = {each.tried for each in gates} - {0}
-    waiting = sum(not each.settled and not each.tried for each in gates)
+    tried = {each.tried for each in every} - {0}
+    waiting = sum(not each.settled and not each.tried for each in every)
     given = f" It had {' or '.join(map(str, sorted(tried)))} s for a proof." if tried else ""
     return given + (f" **{waiting} have not been tried yet.**" if waiting else "")
 

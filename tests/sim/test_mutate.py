@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -114,6 +115,90 @@ def test_bits_are_followed_on_symbols_first_and_unknown_only_where_that_says_not
     found = verdicts._unused(shape, {"compact_one.v": ""}, found, tmp_path)
     assert [each.proof for each in found] == ["equivalent", "unused", "unused", ""]
     assert asked == [changes[1:3]]
+
+
+PROGRAM = """\
+module one (input clk, input [1:0] address, output [3:0] data);
+  one_engine_program program_s (.clk(clk), .address(address), .data(data));
+endmodule
+module one_engine_program (input clk, input [1:0] address, output reg [3:0] data);
+  reg [3:0] words_2 [0:3];
+  initial data = 4'h0;
+  initial begin
+    words_2[0] = 4'h6;
+    words_2[1] = 4'h9;
+    words_2[2] = 4'h5;
+    words_2[3] = 4'hc;
+  end
+  always @(posedge clk) begin
+    data <= words_2[address];
+  end
+endmodule
+"""
+READS = """\
+module asked (input clk, input [1:0] address, output [3:0] data, input [1:0] choice);
+  one core (.clk(clk), .address(address), .data(data), .mutant({14'h0, choice}));
+endmodule
+"""
+
+
+def next_clock(circuit: Circuit, given: Mapping[str, int], registers: Sequence[int]) -> list[int]:
+    """The registers a clock later; inputs by name, as "address[0]"."""
+    nodes = [0, *(given[circuit.names[f"i{i}"]] for i in range(circuit.inputs)), *registers]
+    for a, b in circuit.ands:
+        nodes.append((nodes[a >> 1] ^ a & 1) & (nodes[b >> 1] ^ b & 1))
+    return [nodes[literal >> 1] ^ literal & 1 for literal in circuit.latches]
+
+
+def test_a_bit_of_the_microprogram_is_turned_over_where_its_word_is_read(tmp_path) -> None:
+    """The two changes are choices 1 and 2; the words of the unchanged program are those above."""
+    changes = [BIT, "microprogram word 0 bit 3"]
+    text = module.changed("one", {"one.v": PROGRAM}, tmp_path, changes)
+    (tmp_path / "changed.v").write_text(text)
+    (tmp_path / "top.v").write_text(READS)
+    (tmp_path / "free.v").write_text(equivalence._FREE)
+    equivalence._write_gates(tmp_path, [])
+    circuit = read(tmp_path / "core.aig")
+    shown = [circuit.outputs[bit] for bit in range(4)]
+    first = 1 + circuit.inputs
+    for choice, address in product(range(3), range(4)):
+        ports = {"clk": 0, "address": address, "choice": choice}
+        given = {
+            name: ports[name.partition("[")[0]] >> int(name.partition("[")[2][:-1] or 0) & 1
+            for name in (circuit.names[f"i{i}"] for i in range(circuit.inputs))
+        }
+        registers = next_clock(circuit, given, [0] * len(circuit.latches))
+        data = [registers[(literal >> 1) - first] ^ literal & 1 for literal in shown]
+        word = [6, 9, 5, 12][address] ^ {(1, 3): 2, (2, 0): 8}.get((choice, address), 0)
+        assert sum(bit << i for i, bit in enumerate(data)) == word
+
+
+@pytest.mark.parametrize("reaches", [False, True])
+def test_a_change_reaches_a_factor_through_a_memory(reaches, tmp_path) -> None:
+    """A product is free, one input more for each of its 4 bits, only where it does not."""
+    written = "a ^ {1'b0, choice}" if reaches else "a"
+    (tmp_path / "changed.v").write_text(f"""\
+module one (input clk, input [1:0] a, input choice, output reg [3:0] r, output reg other);
+  reg [1:0] words [0:3];
+  reg [1:0] back;
+  initial {{words[0], words[1], words[2], words[3], back, r, other}} = 0;
+  always @(posedge clk) begin
+    words[a] <= {written};
+    back <= words[~a];
+    r <= back * a;
+    other <= choice;
+  end
+endmodule
+""")
+    (tmp_path / "top.v").write_text("""\
+module asked (input clk, input [1:0] a, input choice, output [3:0] r, output other);
+  one core (.clk(clk), .a(a), .choice(choice), .r(r), .other(other));
+endmodule
+""")
+    (tmp_path / "free.v").write_text(equivalence._FREE)
+    equivalence._write_gates(tmp_path, [])
+    ports = 1 + 2 + 1
+    assert read(tmp_path / "core.aig").inputs == ports + (0 if reaches else 4)
 
 
 @pytest.mark.deep
