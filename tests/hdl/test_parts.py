@@ -21,6 +21,7 @@ from sculler_hdl.lib.delay import ControlDelay, SkewedSignal
 from sculler_hdl.lib.multiplier import Multiplier, emit_multiplier
 from sculler_hdl.lib.running_sum import RunningSum
 from sculler_hdl.lib.weighted_sum import WeightedSum
+from sculler_hdl.pipelined import stream as stream_module
 from sculler_hdl.pipelined.cross_array import CrossArray
 from sculler_hdl.pipelined.handover import HandOver
 from sculler_hdl.pipelined.sequencer import Sequencer
@@ -602,7 +603,9 @@ def test_handover_keeps_each_result_until_it_is_taken():
 
 
 @pytest.mark.parametrize("chance", [1.0, 0.4])
-def test_stream_handover_gives_the_words(chance):
+@pytest.mark.parametrize("moved_together", [stream_module.PART, 3])
+def test_stream_handover_gives_the_words(moved_together, chance, monkeypatch):
+    monkeypatch.setattr(stream_module, "PART", moved_together)
     design = DESIGNS["taylor_2p0"]
     words, rng = design.words, random.Random(8)
     arrivals = arrivals_of(words)

@@ -6,6 +6,7 @@ from amaranth import C, Cat, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from sculler_hdl.lib.delay import ControlDelay
 from sculler_hdl.lib.losses import emit_event_counter
 from sculler_hdl.pipelined.collector import Collector, Piece, Transfer, emit_counter
 from sculler_hdl.pipelined.handover import result_layout
@@ -13,6 +14,9 @@ from sculler_hdl.plan.arrival import width
 from sculler_hdl.plan.transfer import HandOverPlan
 from sculler_model.design import AXES, STATUS_BITS, columns_of
 from sculler_model.golden import COUNTER_BITS, WORD_BITS
+
+PART = 16
+"""Words of the shift register that move together."""
 
 
 class StreamHandOver(wiring.Component):
@@ -23,8 +27,9 @@ class StreamHandOver(wiring.Component):
 
         input ─▶ [word N-1] ─▶ ... ─▶ [word 1] ─▶ [data]
 
-    The shift register moves one clock after `data`, which meanwhile looks one word further back,
-    so that the host's `ready` drives few registers.
+    The shift register moves in parts of `PART` words: the first a clock after `data`, each a clock
+    after the one before.  Where what is behind has not moved yet, it is looked at one word further
+    back.  So the host's `ready` drives few registers, and what moves a part can lie beside it.
 
     Where results are dropped they are collected apart from the shift register, as in `HandOver`.
 
@@ -113,23 +118,32 @@ class StreamHandOver(wiring.Component):
 
     def _shift(self, m: Module, words: list[Signal], left: Signal) -> None:
         """One word after another to the host."""
-        taken, move = Signal(), Signal()
+        taken = Signal()
         m.d.comb += [
             taken.eq(self.valid & self.ready),
             self.taken.eq(taken & self.last),
         ]
-        m.d.sync += move.eq(taken)
+        moves = [
+            # until it is empty: after the last word was taken the next result may come
+            ControlDelay(m, f"move{first}", taken & (left >= first)).at_clock(clock)
+            for clock, first in enumerate(range(1, len(words), PART), start=1)
+        ]
+        beyond = C(0, WORD_BITS)
+        behind = [*words[1:], beyond, beyond]
         with m.If(taken):
             m.d.sync += [
-                self.data.eq(Mux(move, words[2], words[1])),
+                self.data.eq(Mux(moves[0], behind[1], behind[0])),
                 left.eq(left - 1),
                 self.last.eq(left == 1),
             ]
             with m.If(self.last):
                 m.d.sync += self.valid.eq(0)
-        with m.If(move):
-            for word, behind in zip(words[1:], [*words[2:], C(0, WORD_BITS)], strict=True):
-                m.d.sync += word.eq(behind)
+        for i, word in enumerate(words[1:], start=1):
+            part, place = divmod(i - 1, PART)
+            at_end = place == PART - 1 and part + 1 < len(moves)
+            with m.If(moves[part]):
+                later = Mux(moves[part + 1], behind[i + 1], behind[i]) if at_end else behind[i]
+                m.d.sync += word.eq(later)
 
     def _extended(self, piece: Piece) -> Piece:
         """A piece of a component; its sign goes on to the column's end."""
