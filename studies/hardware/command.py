@@ -12,6 +12,7 @@ from sculler_hdl import placed_designs
 from sculler_model.errors import InputError
 from studies import documents
 from studies.hardware import counted_on
+from studies.hardware import kept as kept_before
 from studies.hardware.classes import classes, spread
 from studies.hardware.measure import BUDGETS, SEEDS, design_space, measure
 from studies.hardware.page import devices, document, goals, paths
@@ -61,20 +62,37 @@ from studies.hardware.points import Point, points
     metavar="FILE",
     help="Where the rates go that the library tells.",
 )
+@click.option(
+    "--kept",
+    "kept_in",
+    type=click.Path(dir_okay=False, path_type=Path),
+    default=kept_before.FILE,
+    metavar="FILE",
+    show_default=True,
+    help="What was placed before; what has the same Verilog, device and tools is not again.",
+)
+@click.option("--again", is_flag=True, help="Place all again.")
 def command(
-    folder: Path, keys: tuple[str, ...], of_classes: bool, others: tuple[str, ...], rates: Path
+    folder: Path,
+    keys: tuple[str, ...],
+    of_classes: bool,
+    others: tuple[str, ...],
+    rates: Path,
+    kept_in: Path,
+    again: bool,
 ) -> None:
     """Place and route the cores in the devices, write hardware.md and draw its pictures."""
+    kept = kept_before.Kept(kept_in, again=again)
     differing = [point for group in classes() for point in group.points]
     chosen = _chosen("--only", keys, differing if of_classes else points())
     if of_classes:
         with terminal.progress("placing", len(chosen) * (1 + len(SEEDS))) as advance:
-            text = "\n".join(spread(measure(chosen, advance)))
+            text = "\n".join(spread(measure(chosen, kept, advance)))
         terminal.report({}, False, text)
         return
     if keys:
         with terminal.progress("placing", len(chosen) * (1 + len(SEEDS))) as advance:
-            placed = measure(chosen, advance)
+            placed = measure(chosen, kept, advance)
         text = "\n".join([*goals(placed), "", *devices(placed), "", *paths(placed)])
         terminal.report({}, False, text)
         return
@@ -84,9 +102,10 @@ def command(
         beside = _chosen("--differing", wanted, differing) if wanted else []
         total = (len(chosen) + len(beside)) * (1 + len(SEEDS)) + len(BUDGETS) + 2
         with terminal.progress("placing", total) as advance:
-            placed = measure(chosen, advance)
-            corners = design_space(advance)
-            differed = measure(beside, advance)
+            placed = measure(chosen, kept, advance)
+            corners = design_space(kept, advance)
+            differed = measure(beside, kept, advance)
+        kept.drop_others()
         counted_on.write(rates, counted_on.rows(placed, differed))
         return document(placed, corners, differed), draw(images, placed, corners)
 

@@ -7,20 +7,19 @@ from dataclasses import dataclass
 
 from sculler.words import Advance, silent
 from sculler_model.errors import InputError
-from sculler_sim.place.devices import find_device
-from sculler_sim.place.placement import Placement, place
+from sculler_sim.place.placement import Placement
+from studies.hardware.kept import Kept
 from studies.hardware.points import Point, variant
 
 SEEDS = (1, 2, 3)
 
 
-def measure(chosen: Sequence[Point], advance: Advance) -> list[tuple[Point, Placement]]:
-    """Place the points, one after the other, each with its seeds side by side."""
-    placed = []
-    for point in chosen:
-        device, speed = find_device(point.device, point.speed)
-        placed.append((point, place(point.design, device, speed, SEEDS, done=advance)))
-    return placed
+def measure(chosen: Sequence[Point], kept: Kept, advance: Advance) -> list[tuple[Point, Placement]]:
+    """Place the points that changed, one after the other, each with its seeds side by side."""
+    return [
+        (point, kept.place(point.design, point.device, point.speed, SEEDS, advance))
+        for point in chosen
+    ]
 
 
 BUDGETS = (None, 28, 16, 12, 8, 6, 4)
@@ -44,7 +43,7 @@ class Corner:
     clocks: float
 
 
-def design_space(advance: Advance = silent) -> list[Corner]:
+def design_space(kept: Kept, advance: Advance = silent) -> list[Corner]:
     """The 24-bit core with ever fewer multipliers, in an ECP5."""
     designs = [
         (
@@ -59,10 +58,9 @@ def design_space(advance: Advance = silent) -> list[Corner]:
     ]
     corners: list[Corner] = []
     for name, hardware in designs:
-        device, speed = find_device("LFE5U-85F")
         try:
             design = variant(24, "corner", target="ecp5", **hardware)
-            found = place(design, device, speed, seeds=())
+            found = kept.place(design, "LFE5U-85F", None, (), silent)
         except InputError:
             if hardware["core"] == "compact" or "multipliers" not in hardware:
                 raise

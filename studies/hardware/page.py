@@ -71,8 +71,10 @@ def _introduction(placed: Sequence[tuple[Point, Placement]]) -> Iterator[str]:
         tools |= placement.tools
     yield "# The cores in real devices"
     yield ""
-    yield (
+    yield documents.paragraph(
         "Written by `make hardware`; `sculler place DESIGN --device DEVICE` does it for any design."
+        " What has the same Verilog, device and tools as before is not placed again: it is kept in"
+        " `studies/hardware/kept.json`."
     )
     yield ""
     yield documents.paragraph(

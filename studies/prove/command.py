@@ -19,7 +19,7 @@ from studies.prove.page import Found, document, results
 SECONDS = 20
 """For each property."""
 
-RESULTS = Path("build/proofs")
+RESULTS = Path("studies/prove/found")
 
 
 @click.command(

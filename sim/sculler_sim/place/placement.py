@@ -234,12 +234,16 @@ class Placer:
         self.routed[seed] = routed
         return routed
 
+    @property
+    def made_of(self) -> tuple[str, ...]:
+        """What the tools are given: Verilog, the order of its blocks, device; their versions."""
+        tools, title = json.dumps(self.tools, sort_keys=True), self.device.title(self.speed)
+        return self.generated.verilog, json.dumps(self.blocks), title, tools
+
     def _kept(self, what: str, find: Callable[[], dict[str, Any]]) -> dict[str, Any]:
         """A finding from the cache, or newly found."""
         source = [path.read_bytes() for path in sorted(_PACKAGE.glob("*.py"))]
-        made_of = [self.generated.verilog, json.dumps(self.blocks), self.device.title(self.speed)]
-        made_of += [what, json.dumps(self.tools, sort_keys=True)]
-        path = cache.entry(f"place-{self.design.name}", ".json", *made_of, *source)
+        path = cache.entry(f"place-{self.design.name}", ".json", *self.made_of, what, *source)
         data = cache.kept(path)
         if data is None:
             data = find()
