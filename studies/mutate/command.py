@@ -13,7 +13,7 @@ from studies.mutate.page import document, results
 from studies.mutate.shapes import SHAPES
 from studies.mutate.verdicts import judge
 
-RESULTS = Path("build/mutants")
+RESULTS = Path("studies/mutate/found")
 
 
 @click.command(

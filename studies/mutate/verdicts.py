@@ -22,6 +22,9 @@ from studies.mutate.mutants import Mutants, mutants, of_program, place, with_unk
 FAIL = "FAIL"
 """What the bench's line begins with where it fails."""
 
+KINDS = ("mutate", "microprogram")
+"""What changes of the gates, and those of the microprogram, begin with."""
+
 UNUSED = "unused"
 """Of a bit of the microprogram that may be unknown, with all the others of which this is said."""
 
@@ -71,7 +74,8 @@ def judge(
         design: the design.
         count: of mutants of the gates.
         seconds: for the proof of a survivor; 0 for none.
-        path: of the file with what came out; what is there of this core and bench stays.
+        path: of the file with what came out; what is there of this core and bench stays.  Of those
+            that were killed it has the number: they come back without saying what was changed.
         done: called after each mutant that has run, and each proof.
 
     Raises:
@@ -83,7 +87,7 @@ def judge(
         folder = Path(work)
         vectors = write_bench(design, texts, folder)
         bench_digest = _digest(*(each.read_text(encoding="ascii") for each in vectors))
-        kept = _Kept.read(path, _digest(*texts.values(), str(count)), bench_digest)
+        kept = _Kept.read(path, core_digest(texts, count), bench_digest)
         if not kept.mutants:
             changed = mutants(design.name, texts, folder, count)
             bench = build(design, changed.verilog, texts, folder)
@@ -124,7 +128,8 @@ class _Kept:
         found = json.loads(path.read_text(encoding="utf-8"))
         if found["core"] != core:
             return cls(core, bench, [], {})
-        judged = [Judged(**each) for each in found["mutants"]]
+        judged = [Judged(**each) for each in found["live"]]
+        judged += [Judged(of, FAIL, FAIL) for of in KINDS for _ in range(found["killed"][of])]
         proofs = {each.change: (each.proof, each.tried) for each in judged if each.tried}
         return cls(core, bench, judged if found["bench"] == bench else [], proofs)
 
@@ -136,10 +141,20 @@ class _Kept:
 
     def write(self, path: Path) -> None:
         """Whole or not at all."""
-        found = [asdict(each) for each in self.mutants]
-        text = json.dumps({"core": self.core, "bench": self.bench, "mutants": found}, indent=1)
+        killed = [each for each in self.mutants if each.killed]
+        found = {
+            "core": self.core,
+            "bench": self.bench,
+            "killed": {of: sum(each.change.startswith(of) for each in killed) for of in KINDS},
+            "live": [asdict(each) for each in self.mutants if not each.killed],
+        }
         with replacing(path) as temporary:
-            temporary.write_text(text + "\n", encoding="utf-8")
+            temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+
+
+def core_digest(texts: Mapping[str, str], count: int) -> str:
+    """A hash of a core and of how many changes are drawn."""
+    return _digest(*texts.values(), str(count))
 
 
 def _digest(*texts: str) -> str:

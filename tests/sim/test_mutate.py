@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
-from collections.abc import Mapping, Sequence
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from sculler_sim.engines.verilator_build import emitted
 from sculler_sim.prove.shapes import SHAPES as PROVED
 from studies.mutate import equivalence, verdicts
 from studies.mutate import mutants as module
+from studies.mutate.command import RESULTS
 from studies.mutate.equivalence import compare
 from studies.mutate.microprogram import NotFollowedError
 from studies.mutate.miter import Circuit, read, write_miter
@@ -48,6 +50,20 @@ def test_what_passes_in_either_simulator_lives() -> None:
     assert Judged("a", FAIL, FAIL).killed
     assert not Judged("a", PASS).killed
     assert not Judged("a", FAIL, PASS).killed
+
+
+def test_those_killed_are_kept_by_number_and_the_others_whole(tmp_path) -> None:
+    live = [Judged("mutate -mode inv", PASS, "", "open", 60), Judged(BIT, PASS, proof="unused")]
+    killed = [Judged("mutate -mode const0", FAIL, FAIL), *judged(2, change=BIT)]
+    path = tmp_path / "one.json"
+    verdicts._Kept("core", "bench", [killed[0], *live, *killed[1:]], {}).write(path)
+    found = verdicts._Kept.read(path, "core", "bench")
+    assert [each for each in found.mutants if not each.killed] == live
+    assert sorted(m.change for m in found.mutants if m.killed) == ["microprogram"] * 2 + ["mutate"]
+    assert list(results({"one": found.mutants})) == list(results({"one": [*live, *killed]}))
+    assert verdicts._Kept.read(path, "core", "other").mutants == []
+    assert verdicts._Kept.read(path, "core", "other").proofs == {"mutate -mode inv": ("open", 60)}
+    assert verdicts._Kept.read(path, "other", "bench").proofs == {}
 
 
 CORE = """\
@@ -117,6 +133,63 @@ def test_bits_are_followed_on_symbols_first_and_unknown_only_where_that_says_not
     assert asked == [changes[1:3]]
 
 
+@pytest.mark.deep
+def test_products_are_free_only_where_no_factor_depends_on_the_change(tmp_path) -> None:
+    """A fault's mark meets no product, so none is left; that a sample is there meets them all."""
+    shape = SHAPES["one_minor"]
+    sizes = []
+    for port in ("sample_fault", "sample_valid"):
+        folder = tmp_path / port
+        folder.mkdir()
+        change = f"mutate -mode inv -module one_minor -cell sequencer -port {port} -portbit 0"
+        text = module.changed(shape.name, emitted(shape), folder, [change])
+        (folder / "changed.v").write_text(text)
+        (folder / "top.v").write_text(equivalence._asked(shape))
+        (folder / "free.v").write_text(equivalence._FREE)
+        equivalence._write_gates(folder, [])
+        sizes.append(len(read(folder / "core.aig").ands))
+    assert 2 * sizes[0] < sizes[1]
+
+
+@pytest.mark.deep
+@pytest.mark.skipif(shutil.which("iverilog") is None, reason="Icarus Verilog is missing")
+def test_what_the_bench_kills_can_be_told_from_the_core(tmp_path) -> None:
+    """And what can not is not killed: bench and model checker agree; what is kept is not run."""
+    shape, path = SHAPES["one_minor"], tmp_path / "kept.json"
+    found = judge(shape, 8, 120, path)
+    assert len(found) == 8
+    assert not any(mutant.proof.startswith("differs") for mutant in found)
+    runs: list[int] = []
+    again = judge(shape, 8, 120, path, lambda: runs.append(1))
+    assert [each for each in again if not each.killed] == [m for m in found if not m.killed]
+    assert len(again) == len(found)
+    assert not runs
+
+
+@pytest.mark.deep
+def test_the_model_checker_tells_a_changed_core() -> None:
+    shape = SHAPES["one_minor"]
+    inverted = "mutate -mode inv -module one_minor -cell sequencer -port sample_fault -portbit 0"
+    assert compare(shape, emitted(shape), [inverted], 120).startswith("differs after ")
+
+
+NAMES = {"i0": "a", "i1": "choice[0]", "o0": "result_valid", "o1": "result_a"}
+
+
+def circuit(shown: int) -> Circuit:
+    """A latch takes `a and not choice`, another takes `a`; what is shown is the first, or so."""
+    first, second = 2 * 3, 2 * 4
+    return Circuit(2, [2 * 5, 2], [(2, 4 ^ 1), (first, second)], [second, shown], NAMES)
+
+
+def values(made: Circuit, state: list[int], given: list[int]) -> tuple[list[int], list[int]]:
+    """Outputs and next state, worked out AND by AND."""
+    nodes = [0, *given, *state]
+    for a, b in made.ands:
+        nodes.append((nodes[a >> 1] ^ a & 1) & (nodes[b >> 1] ^ b & 1))
+    return [[nodes[lit >> 1] ^ lit & 1 for lit in lits] for lits in (made.outputs, made.latches)]
+
+
 PROGRAM = """\
 module one (input clk, input [1:0] address, output [3:0] data);
   one_engine_program program_s (.clk(clk), .address(address), .data(data));
@@ -142,14 +215,6 @@ endmodule
 """
 
 
-def next_clock(circuit: Circuit, given: Mapping[str, int], registers: Sequence[int]) -> list[int]:
-    """The registers a clock later; inputs by name, as "address[0]"."""
-    nodes = [0, *(given[circuit.names[f"i{i}"]] for i in range(circuit.inputs)), *registers]
-    for a, b in circuit.ands:
-        nodes.append((nodes[a >> 1] ^ a & 1) & (nodes[b >> 1] ^ b & 1))
-    return [nodes[literal >> 1] ^ literal & 1 for literal in circuit.latches]
-
-
 def test_a_bit_of_the_microprogram_is_turned_over_where_its_word_is_read(tmp_path) -> None:
     """The two changes are choices 1 and 2; the words of the unchanged program are those above."""
     changes = [BIT, "microprogram word 0 bit 3"]
@@ -159,16 +224,12 @@ def test_a_bit_of_the_microprogram_is_turned_over_where_its_word_is_read(tmp_pat
     (tmp_path / "free.v").write_text(equivalence._FREE)
     equivalence._write_gates(tmp_path, [])
     circuit = read(tmp_path / "core.aig")
-    shown = [circuit.outputs[bit] for bit in range(4)]
-    first = 1 + circuit.inputs
     for choice, address in product(range(3), range(4)):
         ports = {"clk": 0, "address": address, "choice": choice}
-        given = {
-            name: ports[name.partition("[")[0]] >> int(name.partition("[")[2][:-1] or 0) & 1
-            for name in (circuit.names[f"i{i}"] for i in range(circuit.inputs))
-        }
-        registers = next_clock(circuit, given, [0] * len(circuit.latches))
-        data = [registers[(literal >> 1) - first] ^ literal & 1 for literal in shown]
+        named = (circuit.names[f"i{i}"].rstrip("]").partition("[") for i in range(circuit.inputs))
+        given = [ports[port] >> int(bit or 0) & 1 for port, _, bit in named]
+        _, state = values(circuit, [0] * len(circuit.latches), given)
+        data, _ = values(circuit, state, given)
         word = [6, 9, 5, 12][address] ^ {(1, 3): 2, (2, 0): 8}.get((choice, address), 0)
         assert sum(bit << i for i, bit in enumerate(data)) == word
 
@@ -199,61 +260,6 @@ endmodule
     equivalence._write_gates(tmp_path, [])
     ports = 1 + 2 + 1
     assert read(tmp_path / "core.aig").inputs == ports + (0 if reaches else 4)
-
-
-@pytest.mark.deep
-def test_products_are_free_only_where_no_factor_depends_on_the_change(tmp_path) -> None:
-    """A fault's mark meets no product, so none is left; that a sample is there meets them all."""
-    shape = SHAPES["one_minor"]
-    sizes = []
-    for port in ("sample_fault", "sample_valid"):
-        folder = tmp_path / port
-        folder.mkdir()
-        change = f"mutate -mode inv -module one_minor -cell sequencer -port {port} -portbit 0"
-        text = module.changed(shape.name, emitted(shape), folder, [change])
-        (folder / "changed.v").write_text(text)
-        (folder / "top.v").write_text(equivalence._asked(shape))
-        (folder / "free.v").write_text(equivalence._FREE)
-        equivalence._write_gates(folder, [])
-        sizes.append(len(read(folder / "core.aig").ands))
-    assert 2 * sizes[0] < sizes[1]
-
-
-@pytest.mark.deep
-@pytest.mark.skipif(shutil.which("iverilog") is None, reason="Icarus Verilog is missing")
-def test_what_the_bench_kills_can_be_told_from_the_core(tmp_path) -> None:
-    """And what can not is not killed: bench and model checker agree; what is kept is not run."""
-    shape, path = SHAPES["one_minor"], tmp_path / "kept.json"
-    found = judge(shape, 8, 120, path)
-    assert len(found) == 8
-    assert not any(mutant.proof.startswith("differs") for mutant in found)
-    runs: list[int] = []
-    assert judge(shape, 8, 120, path, lambda: runs.append(1)) == found
-    assert not runs
-
-
-@pytest.mark.deep
-def test_the_model_checker_tells_a_changed_core() -> None:
-    shape = SHAPES["one_minor"]
-    inverted = "mutate -mode inv -module one_minor -cell sequencer -port sample_fault -portbit 0"
-    assert compare(shape, emitted(shape), [inverted], 120).startswith("differs after ")
-
-
-NAMES = {"i0": "a", "i1": "choice[0]", "o0": "result_valid", "o1": "result_a"}
-
-
-def circuit(shown: int) -> Circuit:
-    """A latch takes `a and not choice`, another takes `a`; what is shown is the first, or so."""
-    first, second = 2 * 3, 2 * 4
-    return Circuit(2, [2 * 5, 2], [(2, 4 ^ 1), (first, second)], [second, shown], NAMES)
-
-
-def values(made: Circuit, state: list[int], given: list[int]) -> tuple[list[int], list[int]]:
-    """Outputs and next state, worked out AND by AND."""
-    nodes = [0, *given, *state]
-    for a, b in made.ands:
-        nodes.append((nodes[a >> 1] ^ a & 1) & (nodes[b >> 1] ^ b & 1))
-    return [[nodes[lit >> 1] ^ lit & 1 for lit in lits] for lits in (made.outputs, made.latches)]
 
 
 @pytest.mark.parametrize(
@@ -349,3 +355,13 @@ def test_a_set_has_each_pair_that_can_be_and_no_other_where_two_meet_in_an_and()
         bits = [(p, q) for p in range(4) if x >> p & 1 for q in range(4) if y >> q & 1]
         ands = {2 * (p >> 1 & ~(q >> 1)) + (p & ~q & 1) for p, q in bits}
         assert said == sum(1 << pair for pair in ands)
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("name", SHAPES)
+def test_what_is_kept_is_of_the_core_that_is_generated(name) -> None:
+    """Where this fails, run `make mutate`: it runs this shape again."""
+    (path,) = (Path(__file__).parents[2] / RESULTS).glob(f"{name}-*.json")
+    count = int(path.stem.rpartition("-")[2])
+    core = verdicts.core_digest(emitted(SHAPES[name]), count)
+    assert json.loads(path.read_text(encoding="utf-8"))["core"] == core
