@@ -330,9 +330,9 @@ def test_weighted_sum(rows, limb):
     part = WeightedSum(plan)
     rng = random.Random(3)
     samples = [extremes(counts, rng, 3) for _ in range(160)]
-    taken = sorted(rng.sample(range(300), len(samples)))  # clocks, some one after another
+    taken = sorted(rng.sample(range(1, 301), len(samples)))  # clocks, some one after another
     phase_of = {clock: i % phases for i, clock in enumerate(taken)}
-    inputs = [(part.phase, (at_once(2), phase_of))]
+    inputs = [(part.phase, (at_once(2, -1), phase_of))]
     for axis in range(3):
         values = {clock: sample[axis] for clock, sample in zip(taken, samples, strict=True)}
         inputs.append((part.samples[axis], (at_once(counts.bits), values)))

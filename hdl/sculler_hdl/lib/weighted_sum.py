@@ -29,7 +29,7 @@ class WeightedSum(wiring.Component):
 
     Members:
         step (clock 0): a sample stands on `samples`.
-        phase (clock 0): the sample's phase, 0..n-1; not looked at unless `plan.is_gated`.
+        phase (clock -1): the sample's phase, 0..n-1; not looked at unless `plan.is_gated`.
         samples (clock 0): the newest sample, three axes.
         output: the sum that belongs to the sample, for each sample in turn, as `plan.arrival` says.
 
@@ -55,14 +55,16 @@ class WeightedSum(wiring.Component):
     def elaborate(self, platform: object) -> Module:
         m, plan = Module(), self.plan
         step = ControlDelay(m, "step", self.step, inverted=self.inverted)
-        gates = {gate: is_one_of(self.phase, list(gate)) for gate in plan.gates}
         for i, axis in enumerate(AXES):
             sample = self.samples[i]
             # marked, for where a core has the delayed sample too, that one stands elsewhere
             delayed = Signal.like(sample, name=f"later_{axis}", reset_less=True, attrs=APART)
             m.d.sync += delayed.eq(sample)
             gated: dict[Gate | None, Value] = {None: sample}
-            for number, (gate, is_open) in enumerate(gates.items()):
+            for number, gate in enumerate(plan.gates):
+                # one for each axis, for it to stand there
+                is_open = Signal(name=f"open{number}_{axis}", reset_less=True, attrs=APART)
+                m.d.sync += is_open.eq(is_one_of(self.phase, list(gate)))
                 register = Signal.like(sample, name=f"gated{number}_{axis}", reset_less=True)
                 m.d.sync += register.eq(Mux(is_open, sample, 0))
                 gated[gate] = register

@@ -100,8 +100,8 @@ class Datapath:
             for sensor in counts
         }
         self.samples = SampleRegisters(m, counts)
-        phase = sequencer.phase
-        self.phase = SkewedSignal(m, "phase", phase, at_once(len(phase), TAP_CLOCK))
+        phase, after = sequencer.phase_now, sequencer.phase
+        self.phase = SkewedSignal(m, "phase", phase, at_once(len(phase)), later=after)
         self.finishing: Value | None = None
 
     def emit(self) -> None:
@@ -135,7 +135,7 @@ class Datapath:
         m.submodules[name] = part = WeightedSum(plan, inverted=INVERTED[sensor])
         m.d.comb += part.step.eq(self.control[sensor].taken.at_clock(clock))
         if plan.is_gated:
-            m.d.comb += part.phase.eq(self.phase.at_clock(clock))
+            m.d.comb += part.phase.eq(self.phase.at_clock(clock - 1))
         for i, sample in enumerate(self.samples.at_clock(sensor, clock)):
             m.d.comb += part.samples[i].eq(sample)
         return [Value.cast(part.output[i]) for i in range(3)]

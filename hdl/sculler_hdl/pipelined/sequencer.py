@@ -25,8 +25,9 @@ class Sequencer(wiring.Component):
         taken (out): a sample is taken in this clock.
         launch: one whose phase has a non-zero tap row, or is its minor interval's last.
         minor_end, major_end: one that is the last of its minor, major interval.
+        phase_now: its k - 1 = 0..n-1.
     In the clock after:
-        phase: its k - 1 = 0..n-1.
+        phase: its k - 1 still.
         first: it is the first of its major interval.
         short: a tap or weight in use, or high-resolution position, reached before the first sample
             since reset.
@@ -61,6 +62,7 @@ class Sequencer(wiring.Component):
                 "minor_end": Out(1),
                 "major_end": Out(1),
                 "phase": Out(range(design.algorithm.samples)),
+                "phase_now": Out(range(design.algorithm.samples)),
                 "first": Out(1),
                 "short": Out(1),
                 "fault": Out(1),
@@ -119,6 +121,7 @@ class Sequencer(wiring.Component):
             self.launch.eq(accept & launch),
             self.minor_end.eq(accept & ends_minor),
             self.major_end.eq(accept & ends_major),
+            self.phase_now.eq(phase),
         ]
         m.d.sync += [
             self.phase.eq(phase),
