@@ -71,7 +71,7 @@ from studies.hardware.points import Point, points
     show_default=True,
     help="What was placed before; what has the same Verilog, device and tools is not again.",
 )
-@click.option("--again", is_flag=True, help="Place all again.")
+@click.option("--again", is_flag=True, help="Place again what is kept, too.")
 def command(
     folder: Path,
     keys: tuple[str, ...],

@@ -34,13 +34,14 @@ class Kept:
 
     Args:
         path: of the file; written anew after each placement.
-        again: whether to place all anew.
+        again: whether to place anew what is asked for.
     """
 
     def __init__(self, path: Path, *, again: bool = False) -> None:
         self.path = path
-        there = path.is_file() and not again
-        self._rows = _ROWS.validate_json(path.read_bytes()) if there else []
+        rows = _ROWS.validate_json(path.read_bytes()) if path.is_file() else []
+        self._found = {row.of: row.found for row in rows}
+        self._known = set() if again else set(self._found)
         self._asked: set[str] = set()
 
     def place(
@@ -61,21 +62,22 @@ class Kept:
         placer = Placer(design, *find_device(device, speed))
         of = sha256("\0".join([*placer.made_of, *map(str, seeds)]).encode()).hexdigest()[:24]
         self._asked.add(of)
-        for row in self._rows:
-            if row.of == of:
-                advance(1 + len(row.found.seeds))
-                return row.found
+        if of in self._known:
+            advance(1 + len(self._found[of].seeds))
+            return self._found[of]
         found = place(design, placer.device, placer.speed, seeds, placer=placer, done=advance)
-        self._rows.append(_Row(of, found))
+        self._found[of] = found
+        self._known.add(of)
         self._write()
         return found
 
     def drop_others(self) -> None:
         """Keep what was asked for since this began, and nothing else."""
-        self._rows = [row for row in self._rows if row.of in self._asked]
+        self._found = {of: self._found[of] for of in self._asked}
         self._write()
 
     def _write(self) -> None:
-        rows = sorted(self._rows, key=lambda row: (row.found.design, row.found.device, row.of))
+        rows = [_Row(*pair) for pair in self._found.items()]
+        rows.sort(key=lambda row: (row.found.design, row.found.device, row.of))
         with replacing(self.path) as temporary:
             temporary.write_bytes(_ROWS.dump_json(rows, indent=1) + b"\n")

@@ -97,7 +97,7 @@ def _and_all(
 
 @cache
 def _machine_code() -> Callable[[Packed, int, NDArray[np.int32], NDArray[np.int8], Packed], None]:
-    """`_and_all`, some ten times as fast as in steps of whole arrays."""
+    """`_and_all` in machine code."""
     machine_code.callable_when_compiled(sys.modules[__name__])
     made: Callable[..., None] = machine_code.compiled(_and_all)
     return made

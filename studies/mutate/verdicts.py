@@ -87,7 +87,7 @@ def judge(
         folder = Path(work)
         vectors = write_bench(design, texts, folder)
         bench_digest = _digest(*(each.read_text(encoding="ascii") for each in vectors))
-        kept = _Kept.read(path, core_digest(texts, count), bench_digest)
+        kept = _Kept.read(path, _digest(*texts.values(), str(count)), bench_digest)
         if not kept.mutants:
             changed = mutants(design.name, texts, folder, count)
             bench = build(design, changed.verilog, texts, folder)
@@ -150,11 +150,6 @@ class _Kept:
         }
         with replacing(path) as temporary:
             temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-
-
-def core_digest(texts: Mapping[str, str], count: int) -> str:
-    """A hash of a core and of how many changes are drawn."""
-    return _digest(*texts.values(), str(count))
 
 
 def _digest(*texts: str) -> str:

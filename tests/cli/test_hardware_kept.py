@@ -69,6 +69,15 @@ def test_what_is_other_is_placed(other, runs, tmp_path) -> None:
     assert len(runs) == 2
 
 
+def test_again_is_said_of_what_is_asked_for_alone(runs, tmp_path) -> None:
+    path = tmp_path / "k.json"
+    ask(path)
+    ask(path, seeds=(3,))
+    ask(path, seeds=(3,), again=True)
+    ask(path)
+    assert [seeds for _, seeds in runs] == [(1, 2), (3,), (3,)]
+
+
 def test_what_nobody_asked_for_goes(runs, tmp_path) -> None:
     path = tmp_path / "k.json"
     ask(path)
