@@ -18,8 +18,15 @@ def slices(ports: list[Port]) -> Iterator[tuple[Port, str]]:
         low += port.bits
 
 
-def goals_of(design: Design, timing: Timing, *, aimed: bool) -> dict[str, object]:
-    """What has to have happened at the end; a reason by condition, shorter than 64 letters."""
+def goals_of(design: Design, timing: Timing, *, aimed: bool, shown: bool) -> dict[str, object]:
+    """What has to have happened at the end; a reason by condition, shorter than 64 letters.
+
+    Args:
+        design: the design.
+        timing: the core's clocks.
+        aimed: whether the bench fails without.
+        shown: whether results are dropped, and there is room to show each rail touched alone.
+    """
     words = design.words
     ends = {
         end: [getattr(word, end) for word in [words.gyro] * 3 + [words.accel] * 3]
@@ -45,6 +52,9 @@ def goals_of(design: Design, timing: Timing, *, aimed: bool) -> dict[str, object
         goals["resets_between != 0"] = "a reset between two words of a result"
     if design.drops_results:
         goals["all_dropped != 0"] = "a result that is dropped"
+        goals["firsts == FIRSTS"] = "the first result after a reset, taken whole each time"
+        if shown:
+            goals["&alone"] = "each rail touched alone, by a result that the host took"
     else:
         goals["longest_block > LATENCY"] = "samples held up for longer than the latency"
     if can_lose:

@@ -2,10 +2,11 @@
 
 Two long runs come first.  They have random stalls, and major intervals made for the status bits: a
 fault in the first or last sample alone, one count alone at one of its rails, all counts at their
-rails and then all at the other ones.  Short runs follow, each ended by a reset that comes so many
-clocks after its last sample: one for each clock of the latency, where these are few, and else above
-all for those near its end.  The last run is for the counters, which the bench sets just below where
-they carry.
+rails and then all at the other ones.  Where a core drops results, those of some of these intervals
+are taken in any case (`bench_dropping`).  Short runs follow, each ended by a reset that comes so
+many clocks after its last sample: one for each clock of the latency, where these are few, and else
+above all for those near its end.  The last run is for the counters, which the bench sets just below
+where they carry.
 """
 
 from __future__ import annotations
@@ -28,7 +29,12 @@ _DROPPING = 5  # major intervals after which a result has been dropped
 _CLOCKS = 3  # a sample; cores that take more get fewer samples than `Least` says
 _MOST_CLOCKS = 30_000
 _NEAR = 16  # clocks of a latency, and a tenth of a long one, in which a program ends
-_PATTERN = 16  # major intervals until each of the twelve rails was touched alone
+
+PATTERN = 16
+"""Major intervals until each of the twelve rails was touched alone."""
+
+ROUND = 24
+"""Where results are dropped, major intervals of which the first `Run.shown` are all taken."""
 
 
 class Least(NamedTuple):
@@ -50,7 +56,7 @@ class Least(NamedTuple):
     clocks: int = _MOST_CLOCKS
 
 
-LEAST = Least((1, 200), (2, 400), _PATTERN, 60)
+LEAST = Least((1, 200), (2, 400), PATTERN, 60)
 """What a test bench runs that is handed out."""
 
 
@@ -73,12 +79,20 @@ class Run:
         samples: that it takes.
         delay: clocks between the one that takes the last of them and the reset.
         reset: clocks of that reset.
+        shown: where results are dropped, how many of every `ROUND` are not.
     """
 
     kind: Kind
     samples: int
     delay: int
     reset: int
+    shown: int = 0
+
+    def shows(self, interval: int) -> bool:
+        """Whether the result of a major interval, counted from 0, is at the ports in any case."""
+        if self.kind is Kind.STALLS:
+            return interval % ROUND < self.shown
+        return interval == 0
 
 
 def run_lengths(design: Design, timing: Timing, least: Least) -> tuple[int, int]:
@@ -87,10 +101,9 @@ def run_lengths(design: Design, timing: Timing, least: Least) -> tuple[int, int]
     Whole major intervals and a part of one (where one is more than a sample).
     """
     per_major = design.samples_per_major
-    clocks = clocks_per_major(design, timing)
-    slowness = max(1, clocks // (_CLOCKS * per_major))
-    directed = min(least.directed, least.clocks // clocks)
-    fewest = max(least.after[0], directed, _DROPPING if design.drops_results else 0)
+    slowness = max(1, clocks_per_major(design, timing) // (_CLOCKS * per_major))
+    directed = _directed(design, timing, least)
+    fewest = max(least.after[0], directed + (_DROPPING if design.drops_results else 0))
     before, after = (
         max(intervals, -(-samples // slowness // per_major)) * per_major + per_major // 2
         for intervals, samples in (least.before, (fewest, least.after[1]))
@@ -98,10 +111,16 @@ def run_lengths(design: Design, timing: Timing, least: Least) -> tuple[int, int]
     return before, after
 
 
+def _directed(design: Design, timing: Timing, least: Least) -> int:
+    """Major intervals made for the status bits, of the second run."""
+    return min(least.directed, least.clocks // clocks_per_major(design, timing))
+
+
 def plan_runs(design: Design, timing: Timing, least: Least) -> list[Run]:
     """The runs of a bench."""
     before, after = run_lengths(design, timing, least)
-    long = [Run(Kind.STALLS, before, 0, 3), Run(Kind.STALLS, after, 0, 1)]
+    shown = min(PATTERN, _directed(design, timing, least)) if design.drops_results else 0
+    long = [Run(Kind.STALLS, before, 0, 3), Run(Kind.STALLS, after, 0, 1, shown)]
     if not least.resets:
         return long
     return [
@@ -198,18 +217,20 @@ def samples_of(design: Design, runs: Sequence[Run]) -> list[NDArray[np.int64]]:
     Of eight major intervals one has all counts at their rails, or random ones; its counterpart all
     at the others.  One has none there, but all a single bit from it, one bit after the other.  Six
     have one alone, at one rail after the other.  Every fourth has a faulty sample, its first, its
-    last or any.
+    last or any.  Where results are dropped, there is all of this in intervals whose results are
+    not.
     """
     rng = random.Random(_SEED)
     words, span = design.words, design.samples_per_major
     allowed = [words.gyro] * 3 + [words.accel] * 3
     lows, highs = ([getattr(word, end) for word in allowed] for end in ("lo", "hi"))
-    nearly = _nearly(allowed)
+    nearly, dropped = _nearly(allowed), _nearly(allowed)
     parts, touched = [], 0
     for number, run in enumerate(runs):
         rows = _wild(rng, allowed, run.samples)
         faults = np.zeros((run.samples, 1), np.int64)
-        for interval, first in enumerate(range(0, run.samples, span), start=number):
+        for place, first in enumerate(range(0, run.samples, span)):
+            interval = number + place
             mine, marks = rows[first : first + span], faults[first : first + span]
             if interval % 8 == 1 and run.kind is Kind.STALLS:
                 mine[:] = np.where(
@@ -222,7 +243,8 @@ def samples_of(design: Design, runs: Sequence[Run]) -> list[NDArray[np.int64]]:
                 mine[(0, len(mine) - 1, rng.randrange(len(mine)))[touched % 3], axis] = ends[axis]
                 touched += 1
             elif interval % 4 == 1:
-                mine[:] = list(islice(nearly, len(mine)))
+                seen = not design.drops_results or run.shows(place)
+                mine[:] = list(islice(nearly if seen else dropped, len(mine)))
             if interval % 4 == 2:
                 marks[(0, len(marks) - 1, rng.randrange(len(marks)))[interval // 4 % 3]] = 1
         parts.append(np.hstack([rows, faults]))

@@ -7,7 +7,8 @@ It needs no Python to run: any simulator of Verilog-2001 does.  Inside,
   until it holds up the samples, the first of them longer than any latency;
 * offers that are not taken are sometimes withdrawn, so that samples are lost; which, the bench sees
   for itself, and holds status bit 3 and `samples_lost` to it;
-* where the core drops results, some wait until others have been dropped behind them;
+* where the core drops results, some wait until others have been dropped behind them; of intervals
+  that are made for something none is dropped (`bench_dropping`);
 * resets, in which a sample is offered, come in mid-interval, at each clock that a result is on its
   way, while it is handed over and while it waits; the rest of the samples then starts from nothing;
 * counters are set from inside, when nothing is under way, to just below where a carry runs through
@@ -42,9 +43,11 @@ from sculler_model.golden import (
 )
 from sculler_model.outputs import make_folder, replacing
 from sculler_sim.bench_compensation import compensation_texts
+from sculler_sim.bench_dropping import dropping_texts
 from sculler_sim.bench_goals import goals_of, inside, numbering
 from sculler_sim.bench_runs import (
     LEAST,
+    PATTERN,
     Kind,
     Least,
     Run,
@@ -133,13 +136,14 @@ def testbench(
         "parts": parts,
         "timeout": _timeout(design, timing, runs, results * parts),
         **_runs(design, timing, runs),
-        **goals_of(design, timing, aimed=least.resets > 0),
+        **goals_of(design, timing, aimed=least.resets > 0, shown=runs[1].shown == PATTERN),
         "setters": inside(design, timing, cells) if least.resets else "",
         "numbering": numbering(design),
         **_contract(design, timing),
         **_port_texts(design),
         **clocking,
         **compensation_texts(timing, clocking),
+        **dropping_texts(design, runs, clocking),
     }
     # the counters of a hardened core are several, which agree
     alone = "`define SCULLER_PORTS_ONLY\n" if design.hardware.hardening else ""

@@ -145,7 +145,7 @@ def goals(preset: str) -> list[str]:
     found: dict[str, None] = {}
     for hardware in ({"core": "pipelined"}, {"core": "compact", "overrun": "drop-result"}):
         design = Design.parse({"preset": preset, "name": preset, "hardware": hardware})
-        text = str(goals_of(design, timing(design), aimed=True)["goal_names"])
+        text = str(goals_of(design, timing(design), aimed=True, shown=True)["goal_names"])
         found |= dict.fromkeys(line.removeprefix("* ") for line in text.splitlines())
     return list(found)
 

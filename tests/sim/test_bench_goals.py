@@ -16,7 +16,7 @@ from tiers import few_of
 
 pytestmark = pytest.mark.usefixtures("icarus")
 
-WHOLE = few_of(SHAPES, ["one_minor", "compact_one"])
+WHOLE = few_of(SHAPES, ["one_minor", "compact_one", "dropping_stream"])
 SMALLEST = DESIGNS["smallest"]
 COMPACT = with_hardware(SMALLEST, core="compact")
 
@@ -53,18 +53,38 @@ CUTS = {
 }
 
 
+DROPPING = SHAPES["dropping_stream"]
+CUTS_DROPPING = {
+    "each rail touched alone, by a result that the host took": (
+        "localparam SHOWN = 16;",
+        "localparam SHOWN = 0;",
+    ),
+    "the first result after a reset, taken whole each time": (
+        r"waits = begins \? last_taken \|\| made != results$",
+        "waits = begins ? 1'b0",
+    ),
+}
+
+
 @pytest.fixture(scope="module")
-def whole_bench(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("smallest")
-    command = bench_of(SMALLEST, folder, LEAST)["icarus"]
-    return folder, command, (folder / "smallest_tb.v").read_text()
+def whole_benches(tmp_path_factory):
+    found = {}
+    for design in (SMALLEST, DROPPING):
+        folder = tmp_path_factory.mktemp(design.name)
+        command = bench_of(design, folder, LEAST)["icarus"]
+        found[design.name] = (folder, command, (folder / f"{design.name}_tb.v").read_text())
+    return found
 
 
-@pytest.mark.parametrize("goal", CUTS)
-def test_it_fails_by_name_where_a_goal_is_not_reached(whole_bench, goal):
-    folder, command, text = whole_bench
-    (folder / "smallest_tb.v").write_text(text)
-    edited(folder, "smallest_tb.v", CUTS[goal])
+@pytest.mark.parametrize(
+    ("name", "goal", "cut"),
+    [(SMALLEST.name, *each) for each in CUTS.items()]
+    + [(DROPPING.name, *each) for each in CUTS_DROPPING.items()],
+)
+def test_it_fails_by_name_where_a_goal_is_not_reached(whole_benches, name, goal, cut):
+    folder, command, text = whole_benches[name]
+    (folder / f"{name}_tb.v").write_text(text)
+    edited(folder, f"{name}_tb.v", cut)
     done = shell(command, folder)
     assert done.returncode != 0
     assert done.stdout.startswith("FAIL: goals not reached: "), done.stdout

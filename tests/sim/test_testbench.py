@@ -9,6 +9,7 @@ import pytest
 from amaranth import C, Module, Signal
 
 from bench_files import PLAIN, bench_of, run_bench, shell
+from dropping_designs import DROPPING, FEW_DROPPING
 from sculler_hdl import generate, timing
 from sculler_hdl.compact.loader import Loader
 from sculler_hdl.lib.losses import Losses, emit_event_counter
@@ -27,6 +28,7 @@ from sculler_sim.bench_runs import LEAST, _delays, plan_runs, samples_of
 from sculler_sim.prove.shapes import SHAPES
 from sculler_sim.testbench import write_testbench
 from strategies import CORES, DESIGNS, make_design, with_hardware
+from studies.mutate.shapes import SHAPES as MUTATED
 from tiers import few_of
 
 # results of 18 to 79 bits, major intervals of 1 to 64 samples, dense and compressed tables
@@ -164,16 +166,13 @@ def test_golden_vectors_have_faults_and_counts_at_rails_and_have_them_not(design
     assert not any(status & STATUS_LOST for status in found)
 
 
-def counts_without_rails(design, core):
-    """(component, count) of all major intervals in the bench's samples that have none at a rail."""
-    design = with_hardware(design, **CORES[core])
-    span, ends = design.samples_per_major, rails(design)
-    found = set()
-    for rows in samples_of(design, plan_runs(design, timing(design), LEAST)):
-        for interval in np.split(rows[:, :6], range(span, len(rows), span)):
-            if not np.any([interval == end for end in ends]):
-                found |= {(i, int(count)) for row in interval for i, count in enumerate(row)}
-    return found
+def seen_intervals(design):
+    """Samples of major intervals in the bench whose results nothing drops."""
+    span, runs = design.samples_per_major, plan_runs(design, timing(design), LEAST)
+    for run, rows in zip(runs, samples_of(design, runs), strict=True):
+        for place, interval in enumerate(np.split(rows[:, :6], range(span, len(rows), span))):
+            if not design.drops_results or run.shows(place):
+                yield interval
 
 
 def rails(design):
@@ -181,30 +180,80 @@ def rails(design):
     return [word.lo for word in words], [word.hi for word in words]
 
 
-@pytest.mark.parametrize("core", CORES)
-@SOME_DESIGNS
-def test_a_rail_that_leaves_a_bit_out_is_seen(design, core):
+DIRECTED = {
+    f"{name}-{core}": with_hardware(DESIGNS[name], **hardware)
+    for name in SOME
+    for core, hardware in CORES.items()
+} | {f"{name}-dropping": design for name, design in DROPPING.items()}
+EACH_DIRECTED = pytest.mark.parametrize(
+    "design",
+    few_of(
+        DIRECTED,
+        [
+            *(f"{name}-{core}" for name in QUICK for core in CORES),
+            *(f"{name}-dropping" for name in FEW_DROPPING),
+            "smallest-shared-streaming-ice40-dropping",
+        ],
+    ),
+)
+
+
+@EACH_DIRECTED
+def test_a_rail_that_leaves_a_bit_out_is_seen(design):
     """Every count that differs from a rail in one bit alone, where status bit 2 is not set."""
-    found = counts_without_rails(design, core)
-    for i, (low, high) in enumerate(zip(*rails(design), strict=True)):
+    ends, found = rails(design), set()
+    for interval in seen_intervals(design):
+        if not np.any([interval == end for end in ends]):
+            found |= {(i, int(count)) for row in interval for i, count in enumerate(row)}
+    for i, (low, high) in enumerate(zip(*ends, strict=True)):
         for bit in range(high.bit_length()):
             assert {(i, low + 2**bit), (i, high - 2**bit)} <= found
 
 
+@EACH_DIRECTED
+def test_each_rail_alone_is_seen(design):
+    """Status bit 2 is set for one count at one rail, which no other count hides.
+
+    For all twelve, where a core is not too slow for sixteen such major intervals.
+    """
+    ends = np.array(rails(design))
+    touched = (
+        (interval[:, None] == ends).any(axis=0).reshape(-1) for interval in seen_intervals(design)
+    )
+    found = {int(np.argmax(each)) for each in touched if each.sum() == 1}
+    intervals = plan_runs(design, timing(design), LEAST)[1].samples // design.samples_per_major
+    assert len(found) >= min(12, 3 * intervals // 4)
+
+
 @pytest.mark.parametrize(
-    ("right", "wrong", "port"),
+    ("design", "right", "wrong", "port"),
     [
-        (r"accel_y_sample\[4\] != accel_y_sample\[[0-9]+\]", "1'b1", "status"),
         (
+            DESIGNS["smallest"],
+            r"accel_y_sample\[4\] != accel_y_sample\[[0-9]+\]",
+            "1'b1",
+            "status",
+        ),
+        (
+            DESIGNS["smallest"],
             r"major_32 \+ 16'h0001",
             "(major_32 + 16'h0001) ^ (major_32[0] ? 16'h0000 : 16'h0010)",
             "major",
         ),
+        (
+            MUTATED["dropping_stream"],
+            r"gyro_z_sample\[6\] != gyro_z_sample\[7\]",
+            "1'b0",
+            "data",
+        ),
     ],
-    ids=["a rail leaves a bit out", "a bit of the number is wrong where another is high"],
+    ids=[
+        "a rail leaves a bit out",
+        "a bit of the number is wrong where another is high",
+        "a rail is not seen, and most results are dropped",
+    ],
 )
-def test_a_core_with_a_small_fault_fails(icarus, tmp_path, right, wrong, port):
-    design = DESIGNS["smallest"]
+def test_a_core_with_a_small_fault_fails(icarus, tmp_path, design, right, wrong, port):
     command, core = bench_of(design, tmp_path, LEAST)["icarus"], tmp_path / f"{design.name}.v"
     text, changed = re.subn(right, wrong, core.read_text())
     assert changed == 1
