@@ -385,12 +385,15 @@ def test_weighted_sum_is_there_when_its_largest_coefficient_is():
 
 @pytest.mark.parametrize("limb", [Limbs(4), Limbs(4, 2), Limbs(64)], ids=str)
 @pytest.mark.parametrize(("sums", "signs"), [(1, False), (3, False), (1, True), (3, True)])
-@pytest.mark.parametrize("cleared", [False, True])
-def test_accumulator(sums, signs, cleared, limb):
+@pytest.mark.parametrize(("cleared", "apart"), [(False, False), (True, False), (True, True)])
+def test_accumulator(sums, signs, cleared, apart, limb):
     item = Interval.signed(9)
     arrival, total = skewed(9, limb, 2), item.repeated(5)
-    plan = AccumulatorPlan(item, arrival, total, limb, sums=sums, signs=signs, cleared=cleared)
+    plan = AccumulatorPlan(
+        item, arrival, total, limb, sums=sums, signs=signs, cleared=cleared, apart=apart
+    )
     assert plan.cleared == (cleared and sums == 1)  # the others look at a flag
+    assert plan.apart == (apart and sums == 1)
     part = Accumulator(plan)
     rng = random.Random(4)
     steps, last, carry, values, after = set(), set(), set(), {}, {}
@@ -415,10 +418,11 @@ def test_accumulator(sums, signs, cleared, limb):
     assert stream(part, inputs, outputs, clock + 20, flags)["newest"] == after
 
 
+@pytest.mark.parametrize("apart", [False, True])
 @pytest.mark.parametrize(
     ("gap", "cleared"), [(1, False), (1, True), (2, True), (3, True), (4, True)]
 )
-def test_accumulator_shows_the_sum_before(gap, cleared):
+def test_accumulator_shows_the_sum_before(gap, cleared, apart):
     item = Interval(-10, 10)
     plan = AccumulatorPlan(
         item,
@@ -428,6 +432,7 @@ def test_accumulator_shows_the_sum_before(gap, cleared):
         item.repeated(4),
         gap=gap,
         cleared=cleared,
+        apart=apart,
     )
     part = Accumulator(plan)
     steps = range(0, 30 * gap, gap)

@@ -218,6 +218,25 @@ def test_a_sum_of_every_clock_has_no_flag_that_restarts_it():
     assert re.search(r"reg restart", emitted(other)[f"{other.name}.v"])
 
 
+def test_a_sum_of_every_clock_is_shown_by_an_adder_of_its_own_where_results_lose_no_time():
+    """What goes round drives its own adder alone; the sum that is shown comes a clock later."""
+    taken = plan_pipelined(with_hardware(DESIGNS["savage_1p1"], target="ecp5"))
+    sums = [*taken.schedule.integrals.values()]
+    sums += [one for array in taken.schedule.arrays.values() for one in array.accumulators.values()]
+    assert all(one.apart for one in sums)
+    assert taken.timing.latency <= LATENCY_GOAL
+    # of three sums that take turns none goes round in a clock
+    three = plan_pipelined(with_hardware(DESIGNS["stim300_4x5"], target="ecp5")).schedule
+    assert not any(
+        one.apart for array in three.arrays.values() for one in array.accumulators.values()
+    )
+    # results every 11 clocks: with a clock more there is no room for two of them
+    short = make_design("short", 5, 0, 2, (32, 32), "uncompressed", hardware={"target": "ecp5"})
+    left = plan_pipelined(short)
+    assert not left.configuration.apart
+    assert clocks_per_major(short, left.timing) == 11
+
+
 VARIANTS = [
     ("stim300_4x5", {}),
     ("stim300_4x5", {"target": "ecp5"}),

@@ -9,7 +9,7 @@ from amaranth.lib.wiring import In, Out
 from sculler_hdl.lib.adder import add
 from sculler_hdl.lib.delay import APART, ControlDelay, SkewedSignal
 from sculler_hdl.plan.accumulator import AccumulatorPlan
-from sculler_hdl.plan.arrival import at_once, later, limbs
+from sculler_hdl.plan.arrival import at_once, by_limbs, limbs
 
 
 class Accumulator(wiring.Component):
@@ -28,7 +28,7 @@ class Accumulator(wiring.Component):
         before: the present sum as the step finds it, as `plan.before_arrival` says.
         newest: the sum that the step made, from `plan.arrival` to the next step.
 
-    Latency: 1 clock and one for each limb.
+    Latency: 1 clock and one for each limb, and one where the plan has the sum `apart`.
 
     Args:
         plan: the plan.
@@ -60,18 +60,35 @@ class Accumulator(wiring.Component):
         step = ControlDelay(m, "step", self.step, plan.clock, inverted=self.inverted)
         going = Signal(plan.total.bits)  # what the next step adds to
         before = [going] if plan.cleared else self._before(m, step)
-        found = SkewedSignal(m, "before", Cat(*before), later(plan.arrival, -1 - plan.early))
+        arrival = by_limbs(plan.total.bits, plan.limb, plan.clock - plan.early)
+        found = SkewedSignal(m, "before", Cat(*before), arrival)
+        item = SkewedSignal(m, "input", self.input, plan.item_arrival)
+        carry = self.carry if plan.signs else None
         made = add(
             found,
-            SkewedSignal(m, "input", self.input, plan.item_arrival),
+            item,
             "total",
             plan.total.bits,
             plan.clock,
             plan.limb,
-            carry=self.carry if plan.signs else None,
+            carry=carry,
             step=lambda q: step.at_clock(plan.clock + q),
             also=self._going(m, step, going) if plan.cleared else None,
         )
+        if plan.apart:
+            if carry is not None:
+                carry, early = Signal(name="carry_later", reset_less=True), carry
+                m.d.sync += carry.eq(early)
+            made = add(
+                found,
+                item,
+                "shown",
+                plan.total.bits,
+                plan.clock + 1,
+                plan.limb,
+                carry=carry,
+                step=lambda q: step.at_clock(plan.clock + 1 + q),
+            )
         m.d.comb += [
             self.newest.eq(made.value),
             self.before.eq(found.value[: len(self.before)]),

@@ -183,22 +183,31 @@ class Steps:
     def __init__(self, m: Module, flag: ControlDelay) -> None:
         self.m = m
         self.flag = flag
-        self._made: dict[tuple[tuple[int, ...], int, str], Signal] = {}
+        self._made: dict[tuple[tuple[int, ...], int, str], Value] = {}
 
     def during(self, steps: list[int], clock: int, near: str = "") -> Value:
         """High in the clocks of these steps, for a thing done at `clock` in step 0.
 
-        Each part that is named as `near` has a register of its own.
+        Each part that is named as `near` has registers of its own: one beside it, and where there
+        is time one on the way.
         """
         key = tuple(steps), clock, near
         if key not in self._made:
             name = f"{self.flag.name}_{steps[0]}to{steps[-1]}_{clock}"
-            if near:
-                name = f"{name}_{near}"
-            high = Signal(name=name, attrs=APART if near else {})
-            before = [self.flag.at_clock(clock - 1 + step) for step in steps]
-            self.m.d.sync += high.eq(Cat(before).any())
-            self._made[key] = high
+            spare = clock - 1 + steps[0] - self.flag.clock
+            own = min(2, spare) if near else 0
+            if own:
+                value = self.during(steps, clock - own)
+            else:
+                value = Cat(self.flag.at_clock(clock - 1 + step) for step in steps).any()
+            for left in range(max(own, 1), 0, -1):
+                register = Signal(
+                    name="_".join(filter(None, (name, near, "on_the_way" if left > 1 else ""))),
+                    attrs=APART if near else {},
+                )
+                self.m.d.sync += register.eq(value)
+                value = register
+            self._made[key] = value
         return self._made[key]
 
 

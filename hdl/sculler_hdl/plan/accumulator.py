@@ -20,6 +20,8 @@ class AccumulatorPlan:
         cleared: whether a single sum that may take a step at every clock goes on in registers of
             its own, which its last step clears: as many flip-flops more, and no gate before the
             adder.
+        apart: whether such a sum is added up once more to be shown, a clock later: what goes round
+            has no wire beyond its own adder then.
 
     Attributes:
         clock: at which `step` is looked at.
@@ -41,6 +43,7 @@ class AccumulatorPlan:
         signs: bool = False,
         initial: bool = False,
         cleared: bool = False,
+        apart: bool = False,
     ) -> None:
         if sums not in (1, 3):
             raise ValueError(f"an accumulator makes 1 or 3 sums, not {sums}")
@@ -53,9 +56,10 @@ class AccumulatorPlan:
         self.signs = signs
         self.initial = initial
         self.cleared = cleared and sums == 1 and gap == 1 and not initial
+        self.apart = apart and self.cleared
         # where steps are far apart the adder is given registers of its own before it
         self.early = int(sums == 1 and gap > 2)
         self.clock = first_limb_clock(arrival, limb) + self.early
         self.before = before or total
-        self.arrival: Arrival = by_limbs(total.bits, limb, self.clock + 1)
+        self.arrival: Arrival = by_limbs(total.bits, limb, self.clock + 1 + self.apart)
         self.before_arrival: Arrival = by_limbs(self.before.bits, limb, self.clock - self.early)

@@ -102,6 +102,8 @@ class CrossArrayPlan:
         form: what it calculates.
         spread: whether each axis may have its operands in registers of its own; only a long array
             that is not folded has.
+        apart: whether sums that may take a step at every clock are shown `apart`
+            (`AccumulatorPlan`).
 
     Attributes:
         operands: by the names of the ports: left0, left1, ..., right0, ...
@@ -131,6 +133,7 @@ class CrossArrayPlan:
         form: Form = CONING_AND_SCULLING,
         *,
         spread: bool = False,
+        apart: bool = False,
     ) -> None:
         self.operands = {f"left{i}": item for i, item in enumerate(lefts)}
         self.operands |= {f"right{i}": item for i, item in enumerate(rights)}
@@ -140,6 +143,7 @@ class CrossArrayPlan:
         self.target = target
         self.limb = limb
         self.residue = residue
+        self.apart = apart
         self.lanes = 3 // folding.axes
         self.sides = 2 // folding.sides
 
@@ -205,6 +209,7 @@ class CrossArrayPlan:
             sums=axes,
             signs=self.folding.sides == 2,
             cleared=True,
+            apart=self.apart,
         )
         final = self.steps_of(name)[-1]
         self.results[name] = [

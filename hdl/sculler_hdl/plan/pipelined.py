@@ -76,8 +76,8 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
 
     Of the foldings that keep the samples' pace, those within the latency goal are preferred, of
     them the ones that do little without multiplier blocks, of them the ones with fewest blocks.
-    Then the operands of long arrays get registers of their own, and additions as much time, as the
-    latency goal and the pace of results allow.
+    Then the operands of long arrays get registers of their own, sums of every clock an adder to be
+    shown by, and additions as much time, as the latency goal and the pace of results allow.
 
     Raises:
         InputError: `hardware.multipliers` are too few for any folding; or an order above 2 is to be
@@ -113,7 +113,8 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
                     one.timing(spacing).latency,
                 ),
             )
-            best = _spread(design, spacing, best)
+            best = _with(design, spacing, best, spread=True)
+            best = _with(design, spacing, best, apart=True)
             for carry_clocks in (2, 1):
                 cuts = product(lengths, lengths)
                 relaxed = [AdderTiming(lengths[0], *bits, carry_clocks) for bits in cuts]
@@ -178,9 +179,9 @@ def _configurations(design: Design, spacing: int) -> Iterator[Configuration]:
     return (Configuration(*choice) for choice in choices)
 
 
-def _spread(design: Design, spacing: int, schedule: Schedule) -> Schedule:
-    """The same with spread operands, unless results lose time by it."""
-    other = Schedule(design, schedule.configuration._replace(spread=True))
+def _with(design: Design, spacing: int, schedule: Schedule, **more: bool) -> Schedule:
+    """The same with spread operands or sums apart, unless results lose time by it."""
+    other = Schedule(design, schedule.configuration._replace(**more))
     before, after = schedule.timing(spacing), other.timing(spacing)
     late = after.latency > max(_latency_goal(design), before.latency)
     slow = clocks_per_major(design, after) > clocks_per_major(design, before)

@@ -180,7 +180,7 @@ class PositionPlan:
         target: whose multiplier blocks.
         limb: how sums are cut.
         residue: most low bits of an operand that may go to rows of AND gates.
-        spread: as of `CrossArrayPlan`.
+        spread, apart: as of `CrossArrayPlan`.
 
     Attributes:
         counts, ranges: of the samples, by sensor; of the results, by vector.
@@ -204,6 +204,7 @@ class PositionPlan:
         residue: int,
         *,
         spread: bool = False,
+        apart: bool = False,
     ) -> None:
         s_alpha, s_nu, scrolling = words.s_alpha, words.s_nu, words.scrolling
         if s_alpha is None or s_nu is None or scrolling is None:
@@ -236,6 +237,7 @@ class PositionPlan:
             residue,
             SCROLLING,
             spread=spread,
+            apart=apart,
         )
         self.block_count = self.array.block_count
 

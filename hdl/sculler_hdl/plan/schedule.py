@@ -70,6 +70,8 @@ class Configuration(NamedTuple):
         turns: clocks of a slot of the vector engine; None with second order.
         spread: whether the operands of a long array that is not folded stand in registers of each
             axis: a clock more, and wires half as long.
+        apart: whether sums that may take a step at every clock are added up once more to be shown:
+            a clock more, and what goes round is short (`AccumulatorPlan`).
     """
 
     within: Folding
@@ -79,6 +81,7 @@ class Configuration(NamedTuple):
     adders: AdderTiming
     turns: int | None = None
     spread: bool = False
+    apart: bool = False
 
 
 # the configurations that are compared have many of these in common
@@ -211,6 +214,7 @@ class Schedule:
                 item.repeated(minors - 1),
                 gap=self._minor_gap,
                 cleared=True,
+                apart=self.configuration.apart,
             )
             for name, minor, item, total in (
                 ("alpha", "theta", words.theta, words.alpha),
@@ -266,6 +270,7 @@ class Schedule:
             adders.cut(adders.sum_bits, *totals),
             self.configuration.residue,
             spread=self.configuration.spread,
+            apart=self.configuration.apart,
         )
 
     def _position(self) -> PositionPlan | None:
@@ -280,6 +285,7 @@ class Schedule:
             configuration.adders.cut(configuration.adders.sum_bits, words.scrolling),
             configuration.residue,
             spread=configuration.spread,
+            apart=configuration.apart,
         )
 
     def _arrivals(self) -> dict[str, list[Arrival]]:
