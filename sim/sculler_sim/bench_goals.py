@@ -90,7 +90,7 @@ def inside(design: Design, timing: Timing, cells: Collection[str]) -> str:
     compact = design.hardware.core == "compact"
     counters = ["core.losses.count"]
     if design.drops_results:
-        counters.append("core.results_dropped" if compact else "core.handover.dropped_2")
+        counters.append("core.results_dropped" if compact else "core.handover.dropped")
     forced, words = [], []
     settings = numbers(design, timing)
     for limb in range(number_bits(design) // 16):

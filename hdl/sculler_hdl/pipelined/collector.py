@@ -172,7 +172,7 @@ class Transfer:
     ) -> None:
         self.m = m
         self.moves = moves
-        waits, busy, starts, self.dropped = Signal(), Signal(), Signal(), Signal(name="dropped")
+        waits, busy, starts, self.dropped = Signal(), Signal(), Signal(), Signal(name="drops")
         due = line.at_clock(moves.start + 1 - moves.way) | waits
         m.d.comb += [starts.eq(due & ~busy), self.dropped.eq(due & busy & claim)]
         m.d.sync += [

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from amaranth import C, Cat, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from sculler_hdl.lib.delay import ControlDelay
 from sculler_hdl.lib.losses import emit_event_counter
 from sculler_hdl.pipelined.collector import Collector, Piece, Transfer, emit_counter
 from sculler_hdl.pipelined.handover import result_layout
@@ -29,7 +30,9 @@ class StreamHandOver(wiring.Component):
 
     The shift register moves in parts of `PART` words: the first a clock after `data`, each a clock
     after the one before.  Where what is behind has not moved yet, it is looked at one word further
-    back.  So the host's `ready` drives few registers, and what moves a part can lie beside it.
+    back.  So the host's `ready` drives few registers, and what moves a part can lie beside it.  A
+    mark goes along with the last word; a part that it has left moves no more, for the next result
+    may be put there.
 
     Where results are dropped they are collected apart from the shift register, as in `HandOver`.
 
@@ -86,9 +89,6 @@ class StreamHandOver(wiring.Component):
             self.data,
             *(Signal(WORD_BITS, name=f"word{i}") for i in range(1, count)),
         ]
-        left = Signal(range(count))  # words after the one in `data`
-        self._shift(m, words, left)
-
         rest = collector.takes.rest
         pieces = collector.status(self.status, self.rail)
         pieces += map(self._extended, collector.components(self.input))
@@ -108,42 +108,49 @@ class StreamHandOver(wiring.Component):
             pieces = transfer.collected(pieces)
             dropped = emit_event_counter(m, transfer.dropped, "results_dropped")
             m.d.comb += self.dropped.eq(dropped)
-        with m.If(begins):
-            m.d.sync += [left.eq(count - 1), self.last.eq(0)]
+        self._shift(m, words, begins)
         for piece in pieces:
             self._put(m, words, piece)
         with m.If(show):
             m.d.sync += self.valid.eq(1)
         return m
 
-    def _shift(self, m: Module, words: list[Signal], left: Signal) -> None:
-        """One word after another to the host."""
+    def _shift(self, m: Module, words: list[Signal], begins: Value) -> None:
+        """One word after another to the host; `begins`: the next result comes."""
+        marks = [self.last, *(Signal(name=f"mark{i}") for i in range(1, len(words)))]
         taken = Signal()
         m.d.comb += [
             taken.eq(self.valid & self.ready),
             self.taken.eq(taken & self.last),
         ]
-        moves = [
-            # until it is empty: after the last word was taken the next result may come
-            ControlDelay(m, f"move{first}", taken & (left >= first)).at_clock(clock)
-            for clock, first in enumerate(range(1, len(words), PART), start=1)
-        ]
-        beyond = C(0, WORD_BITS)
-        behind = [*words[1:], beyond, beyond]
+        moves = self._moves(m, taken, begins, marks)
+        beyond = C(0, WORD_BITS + 1)
+        lanes = [Cat(word, mark) for word, mark in zip(words, marks, strict=True)]
+        behind = [*lanes[1:], beyond, beyond]
         with m.If(taken):
-            m.d.sync += [
-                self.data.eq(Mux(moves[0], behind[1], behind[0])),
-                left.eq(left - 1),
-                self.last.eq(left == 1),
-            ]
+            m.d.sync += lanes[0].eq(Mux(moves[0], behind[1], behind[0]))
             with m.If(self.last):
                 m.d.sync += self.valid.eq(0)
-        for i, word in enumerate(words[1:], start=1):
+        for i, lane in enumerate(lanes[1:], start=1):
             part, place = divmod(i - 1, PART)
             at_end = place == PART - 1 and part + 1 < len(moves)
             with m.If(moves[part]):
                 later = Mux(moves[part + 1], behind[i + 1], behind[i]) if at_end else behind[i]
-                m.d.sync += word.eq(later)
+                m.d.sync += lane.eq(later)
+        with m.If(begins):
+            m.d.sync += marks[-1].eq(1)
+
+    def _moves(self, m: Module, taken: Value, begins: Value, marks: list[Signal]) -> list[Signal]:
+        """What moves each part: what has moved the one before, until the mark has left."""
+        moves = [Signal(name=f"move{first}") for first in range(1, len(marks), PART)]
+        m.d.sync += moves[0].eq(taken & ~self.last)
+        for part, (before, move) in enumerate(pairwise(moves), start=1):
+            busy, leaves = Signal(name=f"busy{part}"), move & marks[1 + part * PART]
+            m.d.sync += [
+                move.eq(before & busy & ~leaves),
+                busy.eq(begins | (busy & ~leaves)),
+            ]
+        return moves
 
     def _extended(self, piece: Piece) -> Piece:
         """A piece of a component; its sign goes on to the column's end."""
