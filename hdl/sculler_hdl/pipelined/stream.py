@@ -16,7 +16,7 @@ from sculler_hdl.plan.transfer import HandOverPlan
 from sculler_model.design import AXES, STATUS_BITS, columns_of
 from sculler_model.golden import COUNTER_BITS, WORD_BITS
 
-PART = 16
+PART = 8
 """Words of the shift register that move together."""
 
 
