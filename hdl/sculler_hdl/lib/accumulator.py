@@ -64,31 +64,36 @@ class Accumulator(wiring.Component):
         found = SkewedSignal(m, "before", Cat(*before), arrival)
         item = SkewedSignal(m, "input", self.input, plan.item_arrival)
         carry = self.carry if plan.signs else None
+        bits, limb, clock = plan.total.bits, plan.limb, plan.clock
+
+        def at(flag: ControlDelay, first: int) -> Callable[[int], Value]:
+            return lambda q: flag.at_clock(first + q)
+
+        also = None
+        if plan.cleared:
+            last = ControlDelay(m, "last", self.last, clock, inverted=self.inverted, apart=True)
+            if plan.apart:
+                going_round = add(
+                    found,
+                    item,
+                    "going",
+                    bits,
+                    clock,
+                    limb,
+                    carry=carry,
+                    step=at(step, clock),
+                    clear=at(last, clock),
+                )
+                m.d.comb += going.eq(going_round.value)
+                clock += 1
+                if carry is not None:
+                    carry, early = Signal(name="carry_later", reset_less=True), carry
+                    m.d.sync += carry.eq(early)
+            else:
+                also = self._going(m, step, last, going)
         made = add(
-            found,
-            item,
-            "total",
-            plan.total.bits,
-            plan.clock,
-            plan.limb,
-            carry=carry,
-            step=lambda q: step.at_clock(plan.clock + q),
-            also=self._going(m, step, going) if plan.cleared else None,
+            found, item, "total", bits, clock, limb, carry=carry, step=at(step, clock), also=also
         )
-        if plan.apart:
-            if carry is not None:
-                carry, early = Signal(name="carry_later", reset_less=True), carry
-                m.d.sync += carry.eq(early)
-            made = add(
-                found,
-                item,
-                "shown",
-                plan.total.bits,
-                plan.clock + 1,
-                plan.limb,
-                carry=carry,
-                step=lambda q: step.at_clock(plan.clock + 1 + q),
-            )
         m.d.comb += [
             self.newest.eq(made.value),
             self.before.eq(found.value[: len(self.before)]),
@@ -96,11 +101,10 @@ class Accumulator(wiring.Component):
         return m
 
     def _going(
-        self, m: Module, step: ControlDelay, going: Signal
+        self, m: Module, step: ControlDelay, last: ControlDelay, going: Signal
     ) -> Callable[[int, int, int, Value], None]:
         """What puts each limb into the registers that the sum goes on from, or clears them."""
         clock = self.plan.clock
-        last = ControlDelay(m, "last", self.last, clock, inverted=self.inverted, apart=True)
 
         def take(q: int, lo: int, hi: int, made: Value) -> None:
             with m.If(last.at_clock(clock + q)):

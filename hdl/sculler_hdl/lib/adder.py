@@ -21,6 +21,7 @@ def add(
     subtract: bool = False,
     carry: Value | None = None,
     step: Callable[[int], Value] | None = None,
+    clear: Callable[[int], Value] | None = None,
     also: Callable[[int, int, int, Value], None] | None = None,
 ) -> SkewedSignal:
     """left + right or left - right, modulo 2^top, in registers that are put into left's module.
@@ -38,6 +39,7 @@ def add(
         step: the limb of q clocks later is taken only where step(q) is 1, else kept; it starts from
             0 and is reset.
             Without it a sum is taken at every clock.
+        clear: where clear(q) is 1 that limb becomes 0 instead, with its carry.
         also: told (q, first bit, end bit, bits) of each limb, as it goes into its register: for
             another register that takes it at the same clock.
     """
@@ -61,6 +63,9 @@ def add(
         else:
             with m.If(step(q)):
                 m.d.sync += piece.eq(Cat(*bits))
+        if clear is not None:
+            with m.If(clear(q)):
+                m.d.sync += piece.eq(0)
         if also is not None:
             also(q, lo, hi, Cat(*bits)[: hi - lo])
         pieces.append(piece[: hi - lo])

@@ -113,8 +113,8 @@ def plan_pipelined(design: Design) -> PipelinedPlan:
                     one.timing(spacing).latency,
                 ),
             )
-            best = _with(design, spacing, best, spread=True)
-            best = _with(design, spacing, best, apart=True)
+            best = _rather(design, spacing, best, best.configuration._replace(spread=True))
+            best = _rather(design, spacing, best, best.configuration._replace(apart=True))
             for carry_clocks in (2, 1):
                 cuts = product(lengths, lengths)
                 relaxed = [AdderTiming(lengths[0], *bits, carry_clocks) for bits in cuts]
@@ -179,9 +179,9 @@ def _configurations(design: Design, spacing: int) -> Iterator[Configuration]:
     return (Configuration(*choice) for choice in choices)
 
 
-def _with(design: Design, spacing: int, schedule: Schedule, **more: bool) -> Schedule:
-    """The same with spread operands or sums apart, unless results lose time by it."""
-    other = Schedule(design, schedule.configuration._replace(**more))
+def _rather(design: Design, spacing: int, schedule: Schedule, wanted: Configuration) -> Schedule:
+    """What is wanted, unless results lose time by it."""
+    other = Schedule(design, wanted)
     before, after = schedule.timing(spacing), other.timing(spacing)
     late = after.latency > max(_latency_goal(design), before.latency)
     slow = clocks_per_major(design, after) > clocks_per_major(design, before)
