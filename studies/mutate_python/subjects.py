@@ -131,6 +131,7 @@ SUBJECTS = {
         ),
         (
             *_tests("model", "navigation_errors"),
+            *_tests("sim", "compare"),
             *_tests("cli", "binary_files channels instants"),
             *_tests("model", "values"),  # it loads Numba: what is printed then goes through loops
         ),

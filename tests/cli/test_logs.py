@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 
 from sculler.formats import log_text
+from sculler.formats.compiled import scanning
+from sculler.formats.compiled.decimals import lower_powers
 from sculler.formats.lines import BLOCK_BYTES, whole_lines
 from sculler.formats.log import Chunk, LogWriter, read_log
 from sculler.formats.log_text import _Layout, _nanoseconds, decimals, is_far
@@ -107,6 +109,7 @@ def test_stdin(monkeypatch: pytest.MonkeyPatch, small: Design) -> None:
 FAULTS = {
     "empty": ("", "the log is empty"),
     "header only": (f"{HEADER}\n", "has a header and no samples"),
+    "header without end": (HEADER, "has a header and no samples"),
     "no header": (f"{ROW}\n{ROW}\n", "line 1: no header"),
     "missing column": (
         "gyro_x,gyro_z,accel_x,accel_y,accel_z\n1,2,3,4,5\n",
@@ -130,9 +133,13 @@ FAULTS = {
     "inner minus": (f"{HEADER}\n1,2-2,3,4,5,6\n", "line 2: gyro_y is '2-2'"),
     "two minuses": (f"{HEADER}\n1,--2,3,4,5,6\n", "line 2: gyro_y is '--2'"),
     "underscore": (f"{HEADER}\n1_0,2,3,4,5,6\n", "line 2: gyro_x is '1_0'"),
+    "colon": (f"{HEADER}\n1,2:3,3,4,5,6\n", "line 2: gyro_y is '2:3'"),
     "other digits": (f"{HEADER}\n٣,2,3,4,5,6\n", "line 2: gyro_x is '٣'"),
     "short line": (f"{HEADER}\n{ROW}\n1,2,3\n{ROW}\n", "line 3: 3 values, give 6"),
     "long line": (f"{HEADER}\n{ROW},7\n{ROW}\n", "line 2: 7 values, give 6"),
+    "two rows in a line": (f"{HEADER}\n{ROW},{ROW}\n", "line 2: 12 values, give 6"),
+    "a row in two lines": (f"{HEADER}\n1,-2,3\n-4,5,-6\n", "line 2: 3 values, give 6"),
+    "blanks for commas": (f"{HEADER}\n1 2 3 4 5 6\n", "line 2: 1 values, give 6"),
     "lines that even out": (f"{HEADER}\n{ROW},7\n1,2,3,4,5\n", "line 2: 7 values, give 6"),
     "empty line": (f"{HEADER}\n{ROW}\n\n{ROW}\n", "line 3: an empty line"),
     "cut in a number": (f"{HEADER}\n{ROW}\n1,2,3,4,5,6", "line 3: the last line has no line end"),
@@ -213,10 +220,156 @@ def laid_out(
     path.write_text("\n".join(",".join(row) for row in rows) + "\n")
 
 
+def of_units(design: Design, units: int) -> Design:
+    """The same for so many units."""
+    data = design.model_dump(mode="json", exclude_none=True)
+    return Design.parse(data | {"hardware": {"core": "compact", "channels": units}})
+
+
 def of_three(design: Design) -> Design:
     """The same for three units."""
-    data = design.model_dump(mode="json", exclude_none=True)
-    return Design.parse(data | {"hardware": {"core": "compact", "channels": 3}})
+    return of_units(design, 3)
+
+
+def saved(path: Path, columns: dict[str, list[Any]]) -> Path:
+    """A log of these columns, of the kind that its name says."""
+    if path.suffix == ".csv":
+        rows = [",".join(map(str, row)) for row in zip(*columns.values(), strict=True)]
+        path.write_text("\n".join([",".join(columns), *rows]) + "\n")
+    else:
+        np.savez(path, **{name: np.array(column) for name, column in columns.items()})  # type: ignore[arg-type]
+    return path
+
+
+def still(rows: int, **columns: list[Any]) -> dict[str, list[Any]]:
+    """Counts of nothing, and these columns."""
+    return {name: [0] * rows for name in HEADER.split(",")} | columns
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz"])
+@pytest.mark.parametrize(("gyro", "accel"), [(16, 12), (12, 16)])
+def test_each_count_just_inside_its_word_and_just_beyond(
+    tmp_path: Path, small: Design, gyro: int, accel: int, ending: str
+) -> None:
+    data = small.model_dump(mode="json", exclude_none=True)
+    data["sensor"]["gyro"]["bits"], data["sensor"]["accel"]["bits"] = gyro, accel
+    design, path = Design.parse(data), tmp_path / f"log.{ending}"
+    for place, name in enumerate(HEADER.split(",")):
+        half = 2 ** ((gyro if place < 3 else accel) - 1)
+        for number in (-half, half - 1):
+            saved(path, still(3, **{name: [0, number, 0]}))
+            assert whole(list(read_log(path, design))).counts[:, place].tolist() == [0, number, 0]
+        for number in (-half - 1, half):
+            saved(path, still(3, **{name: [0, number, 0]}))
+            at = "line 3" if ending == "csv" else "row 2"
+            told = f"{at}: {name} = {number} does not fit .*, give {-half} to {half - 1}$"
+            with pytest.raises(InputError, match=told):
+                list(read_log(path, design))
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz"])
+def test_two_units_are_units_too(tmp_path: Path, small: Design, ending: str) -> None:
+    design, path = of_units(small, 2), tmp_path / f"log.{ending}"
+
+    def refusal(**columns: list[Any]) -> str:
+        with pytest.raises(InputError) as fault:
+            list(read_log(saved(path, still(2, **columns)), design, channels=True))
+        return str(fault.value)
+
+    assert "column channel is missing, add it: hardware.channels = 2" in refusal()
+    assert "column sequence is not read" in refusal(channel=[0, 1], sequence=[5, 6])
+    for channel in (-1, 2):
+        assert refusal(channel=[0, channel]).endswith(f": channel is {channel}, give 0 to 1")
+    for restart in (-1, 2):
+        told = refusal(channel=[0, 1], restart=[0, restart])
+        assert told.endswith(f": restart is {restart}, give 0 or 1")
+    saved(path, still(3, channel=[1, 0, 1], restart=[0, 1, 0]))
+    chunk = whole(list(read_log(path, design, channels=True)))
+    assert chunk.channels is not None
+    assert chunk.restarts is not None
+    assert (chunk.channels.tolist(), chunk.restarts.tolist()) == ([1, 0, 1], [0, 1, 0])
+    with pytest.raises(InputError, match="a log of 2 channels is read by model and simulate"):
+        list(read_log(path, design))
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz"])
+def test_a_log_without_a_design_is_one_units(tmp_path: Path, ending: str) -> None:
+    path = tmp_path / f"log.{ending}"
+    saved(path, still(2, fault=[0, 1], time_s=[0.5, 0.75], sequence=[7, 8]))
+    chunk = whole(list(read_log(path, None)))
+    assert [column.tolist() for column in chunk[1:4]] == [[0, 1], [0.5, 0.75], [7, 8]]
+    assert chunk[4:] == (None, None)
+    with pytest.raises(InputError, match=r"column channel is for a design with hardware\.channels"):
+        list(read_log(saved(path, still(2, channel=[0, 0])), None))
+
+
+@pytest.mark.parametrize("ending", ["npz", "parquet"])
+def test_rows_are_counted_through_all_blocks(
+    tmp_path: Path, small: Design, monkeypatch: pytest.MonkeyPatch, ending: str
+) -> None:
+    """A count, a mark and a stamp that stand alone in the third block of a hundred rows."""
+    for module in ("npz", "parquet"):
+        monkeypatch.setattr(f"sculler.formats.tables.{module}.BLOCK_ROWS", 100)
+    for name, value, told in (
+        ("accel_y", 5000, "row 231: accel_y = 5000 does not fit"),
+        ("fault", 2, "row 231: fault is 2, give 0 or 1"),
+        ("time_s", 2e12, r"row 231: time_s = 2e\+12 is more than 1e\+12 s"),
+    ):
+        columns = {key: np.zeros(300, np.int64) for key in HEADER.split(",")}
+        columns[name] = np.zeros(300, float if name == "time_s" else int)
+        columns[name][230] = value
+        path = tmp_path / f"log.{ending}"
+        if ending == "npz":
+            np.savez(path, **columns)  # type: ignore[arg-type]
+        else:
+            pq = pytest.importorskip("pyarrow.parquet")
+            pq.write_table(pytest.importorskip("pyarrow").table(columns), path)
+        with pytest.raises(InputError, match=told):
+            list(read_log(path, small))
+
+
+def test_columns_of_a_binary_log_have_the_types_of_the_page(tmp_path: Path) -> None:
+    with LogWriter(tmp_path / "log.npz", True, True, True, True) as writer:
+        marks = np.array([1], np.uint8)
+        writer.write(np.ones((1, 6), int), marks, np.zeros(1), 0.0, np.zeros(1, int), marks)
+    types = {name: str(column.dtype) for name, column in np.load(tmp_path / "log.npz").items()}
+    assert types == dict.fromkeys([*HEADER.split(","), "channel"], "int64") | {
+        "fault": "uint8",
+        "restart": "uint8",
+        "time_s": "float64",
+    }
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz"])
+@pytest.mark.parametrize("origin", [0.0, 4e6, 2.0**33, -5.0])
+def test_stamps_are_written_from_their_origin(tmp_path: Path, origin: float, ending: str) -> None:
+    """The float nearest to their sum, near and far, whatever the file."""
+    times, path = np.array([0.5, 1.0, 0.001953125]), tmp_path / f"log.{ending}"
+    with LogWriter(path, times=True) as writer:
+        writer.write(np.zeros((3, 6), int), times=times, origin=origin)
+    (chunk,) = read_log(path, None)
+    assert chunk.times is not None
+    exact = [float(Fraction(time) + Fraction(origin)) for time in times.tolist()]
+    assert chunk.times.tolist() == exact
+
+
+def test_a_name_is_a_file_unless_it_is_a_dash(
+    tmp_path: Path, small: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever sorts before a dash, as a browser's second copy; and stdin that cannot be read."""
+    monkeypatch.chdir(tmp_path)
+    Path("(1)").write_text(f"{HEADER}\n{ROW}\n")
+    assert read(Path("(1)"), small)[0].tolist() == [[1, -2, 3, -4, 5, -6]]
+    with pytest.raises(InputError, match=r"^\(2\): cannot read the log \(No such file"):
+        read(Path("(2)"), small)
+
+    def readline(_: int) -> bytes:
+        raise OSError(5, "Input/output error")
+
+    stdin = SimpleNamespace(buffer=SimpleNamespace(readline=readline))
+    monkeypatch.setattr("sys.stdin", stdin)
+    with pytest.raises(InputError, match=r"^stdin: cannot read the log \(Input/output error\)"):
+        read(Path("-"), small)
 
 
 def test_a_log_of_three_units_is_not_read_as_one_units(tmp_path: Path, small: Design) -> None:
@@ -393,7 +546,7 @@ def test_decimals_are_the_nearest_floats() -> None:
     ):  # half way: 2**33 + an odd number of 2**-20; and a last digit beside it
         half = Fraction(2**33) + Fraction(2 * k + 1, 2**20)
         digits = str(int(half * 10**20))
-        for cut in (15, 14, 12):
+        for cut in (20, 17, 15, 14, 12):
             cells.append(f"{digits[:-20]}.{digits[-20:][:cut]}")
     for power in range(4, 40):  # below a power of two floats lie twice as close
         for part in (1, 2, 3, 4, 5, 6):
@@ -517,12 +670,13 @@ def test_a_header_of_4096_bytes_is_the_longest(tmp_path: Path, small: Design) ->
                 read(path, small)
 
 
+@pytest.mark.parametrize("rows", [1, 50])
 @pytest.mark.parametrize("ending", ["csv", "npz"])
-def test_what_is_read_is_told(tmp_path: Path, small: Design, ending: str) -> None:
+def test_what_is_read_is_told(tmp_path: Path, small: Design, ending: str, rows: int) -> None:
     path, told = tmp_path / f"log.{ending}", list[int]()
     with LogWriter(path) as writer:
-        writer.write(np.ones((50, 6), np.int64))
-    assert sum(len(chunk.counts) for chunk in read_log(path, small, told.append)) == 50
+        writer.write(np.ones((rows, 6), np.int64))
+    assert sum(len(chunk.counts) for chunk in read_log(path, small, told.append)) == rows
     size = path.stat().st_size
     assert told == [size - len(HEADER) - 1 if ending == "csv" else size]
 
@@ -605,6 +759,36 @@ def test_what_the_loops_do_not_take_is_read_without_them(small: Design, taken: i
     assert chunk[1:] == (None,) * 5
 
 
+def test_what_the_loops_read_by_hand(tmp_path: Path, small: Design) -> None:
+    """The loops themselves, as Python runs them; and those of before where a stamp is too late."""
+    loops: Any = SimpleNamespace(scan_log=scanning.scan_log, lower=lower_powers())
+
+    def read_by_loops(header: str, *rows: str) -> tuple[Chunk | None, Chunk]:
+        layout, block = _Layout("log.csv", small), "".join(f"{row}\n" for row in rows).encode()
+        layout.read_header(header.encode())
+        with np.errstate(over="ignore"):
+            return layout.scan(loops, block), layout.read(block, 2, loops)
+
+    header = "sequence,accel_z,fault,accel_y,accel_x,time_s,gyro_z,gyro_y,gyro_x"
+    for chunk in read_by_loops(header, "8,-6,1,5,-4,-0.25,3,-2,1", "9,6,0,5,4,1000000000000,3,2,1"):
+        assert chunk is not None
+        assert chunk.counts.tolist() == [[1, -2, 3, -4, 5, -6], [1, 2, 3, 4, 5, 6]]
+        told = [column.tolist() for column in chunk[1:4]]
+        assert told == [[1, 0], [-0.25, 1e12], [8, 9]]
+    for row, told in (
+        ("8,-6,1,5,-4,-1000000000001,3,-2,1", "time_s = -1e"),
+        ("8,-6,2,5,-4,0,3,-2,1", "fault is 2"),
+        (f"{10**18 + 1},-6,1,5,-4,0,3,-2,1", "sequence has"),
+        ("8,2048,1,5,-4,0,3,-2,1", "accel_z = 2048"),
+        ("8,-6,1,5,-4,0,3,-2,-32769", "gyro_x = -32769"),
+    ):
+        with pytest.raises(InputError, match=f"line 3: {told}"):
+            read_by_loops(header, "8,-6,1,5,-4,-0.25,3,-2,1", row)
+    alone, _ = read_by_loops(HEADER, ROW)
+    assert alone is not None
+    assert alone[1:] == (None,) * 5
+
+
 @pytest.mark.parametrize(
     ("times", "origin", "loop"),
     [
@@ -614,6 +798,10 @@ def test_what_the_loops_do_not_take_is_read_without_them(small: Design, taken: i
         ([0.5, 2.0], 2.0**33, "stamped"),
         ([0.5, 2e6], 2.0**33, None),  # further from the origin than nanoseconds are sure
         ([1e-9, 2.0], 0.0, None),  # it would have an exponent
+        ([-9.9e-5, 2.0], 0.0, None),
+        ([1e-4, -1e-4], 0.0, "rows"),
+        ([-1e16, 2.0], 0.0, None),
+        ([9999999999999998.0, -9999999999999998.0], 0.0, "rows"),
     ],
 )
 def test_which_loop_prints_what(
@@ -625,8 +813,11 @@ def test_which_loop_prints_what(
 ) -> None:
     """Stamps of a far clock as whole nanoseconds; what no loop prints right, Python does."""
 
+    given: list[Any] = []
+
     def printing(name: str) -> Any:
         def loop(*arguments: Any) -> int:
+            given[:] = arguments
             told = f"{name}\n".encode()
             arguments[-1][: len(told)] = np.frombuffer(told, np.uint8)
             return len(told)
@@ -647,6 +838,12 @@ def test_which_loop_prints_what(
         assert [line.rpartition(",")[2] for line in lines] == decimals(stamps, origin)
     else:
         assert lines == [loop]
+        widest = 6 * len(f"{-(2**63)},") + (len("-2.2250738585072014e-308,") if times else 0)
+        assert len(given[-1]) >= 2 * widest
+        asked = [time + origin for time in times or ()]
+        if loop == "stamped":
+            asked = [int(10**9 * Fraction(time)) for time in asked]
+        assert given[1 if loop == "stamped" else 2].tolist() == asked
 
 
 @pytest.mark.parametrize("mark", ["fault", "sequence"])

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from sculler_model.design import Design, SensorErrors
 from sculler_model.errors import InputError
-from sculler_model.fast import FastModel
+from sculler_model.fast import FastModel, VectorBlock
 from sculler_model.frames import STANDARD_GRAVITY
-from sculler_model.host import calibrated, major_increments
+from sculler_model.host import calibrated, major_increments, velocity_rotation
 from sculler_model.motion import as_felt, spin_rock_size
 from sculler_model.samples import Calibration, Imperfect, Quantiser, Undo
 
@@ -169,3 +169,28 @@ def test_results_do_not_tell_samples() -> None:
     linear = Calibration.of(SensorErrors.model_validate(LINEAR))
     with pytest.raises(InputError, match="high-resolution position cannot be freed of it"):
         calibrated(high, block, major_increments(high, block), linear)
+
+
+@pytest.mark.parametrize("ppm", [2000.0, -2000.0])
+def test_one_scale_factor_of_all_axes_scales_products_by_its_square(ppm: float) -> None:
+    """Coning and sculling are of two vectors each; biases are taken out before they are scaled."""
+    design = sensor("increment")
+    rows = np.random.default_rng(4).integers(-(10**6), 10**6, (5, 18)) * 1000
+    rows[:, 3:9] *= 10**9
+    rows[:, 12:] *= 10**9
+    block = VectorBlock(np.arange(5), np.zeros(5, np.int64), rows)
+    felt = major_increments(design, block)
+    each = {"bias": [20.0, -40.0, 10.0], "scale_factor": [ppm] * 3}
+    errors = SensorErrors.model_validate({"gyro": each, "accel": each})
+    found = calibrated(design, block, felt, Calibration.of(errors))
+    m, T = 1 / (1 + 1e-6 * ppm), design.major_interval
+    bias = np.array(each["bias"])
+    alpha = m * (felt.alpha - np.radians(bias / 3600) * T)
+    nu = rows[:, 9:12] * design.accel_scale / design.table.sum_denominator
+    upsilon = m * (nu - 1e-3 * STANDARD_GRAVITY * bias * T)
+    sculling = felt.dv_sf - nu - velocity_rotation(felt.alpha, nu)
+    dv_sf = upsilon + velocity_rotation(alpha, upsilon) + m * m * sculling
+    assert found.alpha == pytest.approx(alpha, rel=1e-12)
+    assert found.phi == pytest.approx(alpha + m * m * (felt.phi - felt.alpha), rel=1e-12)
+    assert found.dv_sf == pytest.approx(dv_sf, rel=1e-12)
+    assert np.abs(sculling).max() > 1e-3 * np.abs(dv_sf).max()

@@ -333,13 +333,33 @@ def test_a_sample_is_compensated_before_the_core_by_hand() -> None:
     """Taken in 0, by the core in 4, the next in 5; what is lost meanwhile marks the next."""
     design = make_design("ahead", 1, 1, 1, (8, 8))
     model = CycleModel(design, Timing(3, compensation=4))
-    offers = [ZERO, ZERO, None, None, None, *[ZERO] * 11]
+    offers = [ZERO, ZERO, None, None, None, *[ZERO] * 18]
     seen = [model.clock(offered, 1) for offered in offers]
-    assert [t for t, ports in enumerate(seen) if ports.sample_ready] == [0, 5, 10, 15]
+    assert [t for t, ports in enumerate(seen) if ports.sample_ready] == [0, 5, 10, 15, 20]
     # 4 and 3 clocks later; of the first the sample before it lacks, before the second one was lost
     shown = {t: ports.result[:2] for t, ports in enumerate(seen) if ports.result_valid}
-    assert shown == {7: (0, 1), 12: (1, 8)}
-    assert [ports.samples_lost for ports in seen] == [0] * 4 + [1] * 12
+    assert shown == {7: (0, 1), 12: (1, 8), 17: (2, 0), 22: (3, 0)}
+    assert [ports.samples_lost for ports in seen] == [0] * 4 + [1] * 19
+
+
+def test_a_compensated_sample_waits_for_room_and_a_reset_takes_it_back() -> None:
+    """The core takes the second one when the first one's result is taken, in clock 12.
+
+    The third one waits for ever: nobody takes the second one's result.
+    """
+    design = make_design("ahead", 1, 1, 1, (8, 8))
+    model = CycleModel(design, Timing(3, compensation=4))
+    seen = [model.clock(ZERO, int(t == 12)) for t in range(20)]
+    assert [t for t, ports in enumerate(seen) if ports.sample_ready] == [0, 5, 14]
+    assert [t for t, ports in enumerate(seen) if ports.result_valid] == [
+        *range(7, 13),
+        *range(16, 20),
+    ]
+    assert {ports.samples_lost for ports in seen} == {0}
+    model.clock(ZERO, 1, rst=1)
+    again = [model.clock(ZERO, 1) for _ in range(12)]
+    assert [t for t, ports in enumerate(again) if ports.sample_ready] == [0, 5, 10]
+    assert [t for t, ports in enumerate(again) if ports.result_valid] == [7]
 
 
 def test_a_clock_of_work_waits_for_the_engine_too() -> None:

@@ -100,3 +100,28 @@ def test_the_cycle_model_marks_as_many_results_as_may_be_hurt(timing, under_way)
     # the one whose status came before the upset cannot be marked any more
     assert len(marked) in (under_way - 1, under_way)
     assert marked == list(range(marked[0], marked[0] + len(marked)))
+
+
+@pytest.mark.parametrize("dropping", [None, Dropping(1, 1)])
+def test_an_upset_is_told_clock_by_clock_by_hand(dropping):
+    """Results of one sample each, three clocks apart, on the pipelined core's parallel ports.
+
+    Seen in clock 10, told from clock 11 on until two results more are taken whole, or three.
+    """
+    design = with_hardware(DESIGNS["smallest"], hardening="detect", handover="parallel")
+    timing = Timing(1, spacing=3, dropping=dropping)
+    clean, hurt = CycleModel(design, timing), CycleModel(design, timing)
+    for clock in range(30):
+        if clock == 10:
+            hurt.upset()
+        before, after = clean.clock(SAMPLE, 1), hurt.clock(SAMPLE, 1)
+        # taken in clocks 0, 3, 6 ...; so valid in 1, 4, ... 13 and 16, or 19 too
+        told = 11 <= clock <= (16 if dropping is None else 19)
+        assert (before.upset, after.upset) == (0, int(told))
+        assert before.result_valid == after.result_valid == int(clock % 3 == 1)
+        marked = list(before.result)
+        if told and before.result_valid:
+            marked[1] |= STATUS_UPSET
+        assert after.result == tuple(marked)
+        assert after[:2] == before[:2]
+    assert STATUS_UPSET == 16

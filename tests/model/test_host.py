@@ -219,6 +219,27 @@ def test_without_numba_it_is_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
         assert np.array_equal(getattr(found, name), getattr(expected, name))
 
 
+@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize("count", [7, 8, 9, 10])
+def test_many_intervals_are_scaled_part_by_part(
+    monkeypatch: pytest.MonkeyPatch, count: int, compiled: bool
+) -> None:
+    """In parts of four or all at once: each interval by itself."""
+    if compiled:
+        pytest.importorskip("numba")
+    design = fine_design(2, minors=3, gyro_lsb=1e-6, accel_lsb=1e-4)
+    block = block_of(np.random.default_rng(5).integers(-900, 900, (count, 18)))
+    block = replace(block, times=np.arange(float(count)))
+    expected = [major_increments(design, block[row : row + 1]) for row in range(count)]
+    monkeypatch.setattr(scaling, "PART", 4)
+    monkeypatch.setattr(scaling, "RESULTS", 4)
+    for least in ("WORTH_COMPILING", "WORTH_WHEN_LOADED"):
+        monkeypatch.setattr(scaling, least, count if compiled else count + 1)
+    found, whole = major_increments(design, block), MajorIncrements.concatenate(expected)
+    for name in ("phi", "alpha", "dv_sf", "times", "status"):
+        assert np.array_equal(getattr(found, name), getattr(whole, name)), name
+
+
 def test_uncorrected_drops_only_coning_and_sculling() -> None:
     design = fine_design(4, gyro_lsb=1e-7, accel_lsb=1e-4)
     rows = np.random.default_rng(3).integers(-1000, 1000, (5, 18))

@@ -73,6 +73,26 @@ def test_at_a_pole_the_errors_are_as_elsewhere() -> None:
     assert np.abs(errors.position[:, 2]).max() < 1e-8
 
 
+def test_half_a_world_away_north_is_carried_the_shortest_way() -> None:
+    """Along the equator, up a meridian, and over the pole, where it points south from then on."""
+    zero = np.zeros(1)
+
+    def at(lat: float, lon: float, north: float) -> NavHistory:
+        heading = np.array([from_rotation_vector((0, 0, 0 if north > 0 else pi))])
+        v = np.array([[north, 0.0, 2.0]])
+        return NavHistory(zero, heading, v, zero + radians(lat), zero + radians(lon), zero)
+
+    for truth, estimate in (
+        (at(0, 0, 3), at(0, 90, 3)),
+        (at(-10, 20, 3), at(50, 20, 3)),
+        (at(60, 0, -3), at(60, 180, 3)),
+        (at(60, -90, 3), at(40, 90, -3)),
+    ):
+        errors = navigation_errors(estimate, truth)
+        assert errors.attitude == pytest.approx(0, abs=1e-12)
+        assert errors.velocity == pytest.approx(0, abs=1e-12)
+
+
 def test_interpolation_on_a_smooth_track() -> None:
     motion = great_circle(0.7, pi - 1e-4, 9000.0, 1.3, 250.0)  # across 180°, too
     whole = motion.state(np.arange(0, 20.0))
@@ -86,6 +106,28 @@ def test_interpolation_on_a_smooth_track() -> None:
     exact = found.rows(np.array([0, 3, 5]))
     assert np.array_equal(exact.q, whole.q[[0, 7, 19]])
     assert np.array_equal(exact.lon, whole.lon[[0, 7, 19]])
+
+
+@pytest.mark.parametrize("step", [0.2, -0.2])
+def test_between_two_places_beside_180_degrees(step: float) -> None:
+    """A quarter and three quarters of the way across, not round the world."""
+    lon = np.array([pi - 0.1, -pi + 0.1])[:: 1 if step > 0 else -1]
+    q, zero = np.array([(1.0, 0, 0, 0)] * 2), np.zeros(2)
+    history = NavHistory(np.array([0.0, 4.0]), q, np.full((2, 3), np.nan), zero, lon, zero)
+    found, _ = interpolated(history, np.array([1.0, 3.0]))
+    turns = (found.lon - lon[0] - step * np.array([0.25, 0.75])) / (2 * pi)
+    assert turns == pytest.approx(np.round(turns), abs=1e-15)
+
+
+def test_a_steady_climb_is_met_between_its_states() -> None:
+    """Down is against height: 10 m up in 2 s at 5 m/s is a straight line in height."""
+    q, place = np.array([(1.0, 0, 0, 0)] * 2), np.full(2, 0.5)
+    v = np.array([[0.0, 0.0, -5.0]] * 2)
+    history = NavHistory(np.array([4.0, 6.0]), q, v, place, place, np.array([100.0, 110.0]))
+    found, count = interpolated(history, np.array([4.5, 5.5]))
+    assert count == 2
+    assert found.h == pytest.approx([102.5, 107.5], rel=1e-15)
+    assert found.v.tolist() == v.tolist()
 
 
 def test_without_velocities_the_position_goes_straight() -> None:
@@ -299,6 +341,132 @@ def test_a_gap_of_the_truth_is_not_interpolated_over(step: float) -> None:
     dense = step < 0.02
     assert comparison.instants == (102 if dense else len(times))
     assert comparison.left_out.run_in_gaps == pytest.approx(1, abs=0.011)
+
+
+@pytest.mark.parametrize("step", [0.004, 0.1])
+@pytest.mark.parametrize("missing", [2, 3])
+def test_three_steps_are_no_gap_and_four_are(step: float, missing: int) -> None:
+    """Rows missing in the middle: states between are compared, or told to be in a gap."""
+    times = step * np.arange(round(2 / step) + 1)
+    first = len(times) // 2
+    kept = np.delete(times, np.arange(first, first + missing))
+    run = FLIGHT.state(RUN)
+    comparison = compared(run, FLIGHT.state(kept))
+    between = (kept[first - 1] + 1e-9 < RUN) & (kept[first] - 1e-9 > RUN)
+    if missing == 2:
+        assert comparison.left_out.run_in_gaps == 0
+    else:
+        wide = 4 * step if step > 0.01 else 0.01 * np.count_nonzero(between)
+        assert comparison.left_out.run_in_gaps == pytest.approx(wide, rel=1e-9)
+    if step > 0.01:
+        assert comparison.instants == len(kept)
+    else:
+        assert comparison.instants == len(RUN) - (0 if missing == 2 else np.count_nonzero(between))
+
+
+@pytest.mark.parametrize("size", [7, 33, 1000])
+@pytest.mark.parametrize("step", [0.002, 0.02])
+def test_gaps_beside_the_first_and_the_last_row_of_a_truth(step: float, size: int) -> None:
+    """Each told once, however the run and the truth come: half a second, and a whole one."""
+    times = np.concatenate([[0.0], 0.5 + step * np.arange(round(0.5 / step) + 1), [2.0]])
+    for together in (9, 1000):
+        comparison = Comparison(blocks(FLIGHT.state(times), together), 0.01, "truth.csv")
+        for part in blocks(FLIGHT.state(RUN), size):
+            comparison.add(part)
+        comparison.finish()
+        if step > 0.01:
+            assert comparison.instants == len(times)
+            assert comparison.left_out.run_in_gaps == pytest.approx(1.5, abs=1e-9)
+        else:
+            assert comparison.instants == 53
+            assert comparison.left_out.run_in_gaps == pytest.approx(0.49 + 0.99, abs=1e-9)
+        assert comparison.left_out[:4] == pytest.approx((0, 0, 0, 0), abs=1e-9)
+        assert comparison.interpolated == 0
+
+
+@pytest.mark.parametrize("size", [10, 33, 1000])
+def test_a_dense_truth_may_begin_long_after_the_run(size: int) -> None:
+    truth = FLIGHT.state(1 + 0.005 * np.arange(201))
+    comparison = Comparison(iter([truth]), 0.01, "truth.csv")
+    found = [comparison.add(part)[1] for part in blocks(FLIGHT.state(RUN), size)]
+    comparison.finish()
+    told = np.concatenate([part.time for part in found])
+    assert told == pytest.approx(1 + 0.01 * np.arange(101))
+    assert comparison.left_out == pytest.approx((1, 0, 0, 0, 0), abs=1e-9)
+
+
+def test_of_steps_that_are_alike_the_truths_instants_are_taken_where_it_is_sparser() -> None:
+    for step, instants in ((0.015, 134), (0.008, 201)):
+        times = step * np.arange(round(2 / step) + 1)
+        assert compared(FLIGHT.state(RUN), FLIGHT.state(times)).instants == instants
+
+
+@pytest.mark.parametrize("size", [1, 2, 5, 7])
+def test_a_blocks_last_state_is_joined_with_the_next_ones_first(size: int) -> None:
+    """A run that goes up and down by 10 m, at rest in each state: it is 5 m up in the middles."""
+    times = 0.01 * np.arange(31)
+    q, zero = np.array([(1.0, 0, 0, 0)] * 31), np.zeros(31)
+    run = NavHistory(times, q, np.zeros((31, 3)), zero, zero, 10.0 * (np.arange(31) % 2))
+    middles = 0.005 + 0.03 * np.arange(10)
+    truth = NavHistory(middles, q[:10], np.zeros((10, 3)), *np.zeros((3, 10)))
+    comparison = Comparison(iter([truth]), 0.01, "truth.csv")
+    found = [comparison.add(part)[0].h for part in blocks(run, size)]
+    assert np.concatenate(found) == pytest.approx(np.full(10, 5.0), rel=1e-12)
+    assert comparison.interpolated == 10
+
+
+@pytest.mark.parametrize("step", [0.005, 0.1])
+@pytest.mark.parametrize("offset", [0.0, 0.003])
+def test_nothing_lies_between_two_stretches_of_a_run(step: float, offset: float) -> None:
+    """A run of 1 s that stops for 1 s and goes on: what the truth has meanwhile is not compared."""
+    times = offset + step * np.arange(round(4 / step))
+    run = RUN[:101]
+    comparison = Comparison(blocks(FLIGHT.state(times), 60), 0.01, "truth.csv")
+    for begin in (0.0, 2.0):
+        comparison.begin()
+        for part in blocks(FLIGHT.state(begin + run), 33):
+            comparison.add(part)
+    comparison.finish()
+    asked = np.concatenate([run, 2 + run])
+    if step > 0.01:
+        ours = [t for t in times.tolist() if -1e-9 < t < 1 + 1e-9 or 2 - 1e-9 < t < 3 + 1e-9]
+        between = 0 if offset == 0 else len(ours)
+    else:
+        ours = [t for t in asked.tolist() if t > offset - 1e-9]
+        between = 0 if offset == 0 else len(ours)
+    assert comparison.instants == len(ours)
+    assert comparison.interpolated == between
+    assert comparison.left_out.run_in_gaps == 0
+    assert comparison.figures()["position"]["total"].largest < 1e-6
+
+
+def test_a_run_can_begin_as_late_as_the_last_instant_asked_about() -> None:
+    """In a later block of the truth, which has a gap; and nowhere once the truth is used up."""
+    times = np.concatenate([0.1 * np.arange(5), 4 + 0.1 * np.arange(5)])
+    comparison = Comparison(blocks(FLIGHT.state(times), 5), 0.1, "truth.csv")
+    found = comparison.start(np.array([-2.0, -1.0, 4.2]))
+    assert found is not None
+    assert (found.row, found.state.time, found.interpolated) == (2, 4.2, False)
+    comparison.add(FLIGHT.state(0.1 * np.arange(60)))
+    assert comparison.start(np.array([6.0, 6.1])) is None
+
+
+@pytest.mark.parametrize(
+    ("rows", "seconds", "error", "left_out"),
+    [([-4.0, 1.0], 1.0, 2.0, (0, 0, 4, 0, 0)), ([0.0, 5.0], 0.0, 0.0, (0, 0, 0, 5, 0))],
+)
+def test_a_single_instant_has_its_error_for_all_figures(
+    rows: list[float], seconds: float, error: float, left_out: tuple[float, ...]
+) -> None:
+    """2 m/s for 1 s; and at the very start, where nothing has grown yet."""
+    comparison = Comparison(iter([FLIGHT.state(np.array(rows))]), 0.01, "truth.csv")
+    comparison.add(drifting(RUN[: round(100 * seconds) + 1]))
+    comparison.finish()
+    assert comparison.instants == 1
+    figures = comparison.figures()["position"]["north"]
+    assert (figures.rms, figures.largest, figures.final) == pytest.approx([error] * 3, abs=1e-4)
+    assert comparison.growth == pytest.approx(error, abs=1e-4)
+    assert comparison.left_out == pytest.approx(left_out, abs=1e-9)
 
 
 def test_a_run_can_begin_where_the_truth_is_whole() -> None:

@@ -14,11 +14,18 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from sculler_model.analysis.integer_path import rotation_vectors, running_attitude
 from sculler_model.frames import conjugate, product
 from sculler_model.host import MajorIncrements, ThirdOrder, slopes
-from sculler_model.host.third_order import SMOOTH, of_part, smooth_intervals
+from sculler_model.host.third_order import (
+    SMOOTH,
+    of_part,
+    rotation_terms,
+    smooth_intervals,
+    velocity_terms,
+)
 from sculler_model.motion import Curve, Turn, attitude, coning_turns, euler_turns
 
 Array = NDArray[np.float64]
@@ -94,6 +101,40 @@ def test_the_fifth_interval_makes_up_for_the_first_four() -> None:
     lacking = np.linalg.norm(found - plain.phi, axis=1)
     assert 4.5 < lacking[4] / lacking[5] < 5.5
     assert np.linalg.norm(later[4:] - found[:5], axis=1)[0] > 0
+
+
+def test_what_the_first_four_lack_is_carried_to_the_fifth() -> None:
+    """Attitude and velocity then are as if each had been corrected where it is."""
+    k = np.arange(5.0)[:, None]
+    turns = 0.25 * np.hstack((0.1 + 0.01 * k, 0.05 - 0.004 * k**2, 0.02 * k))
+    dv = np.hstack((0.3 - 0.02 * k, 0.01 * k**2, 0.1 + 0.03 * k))
+    found = ThirdOrder()(MajorIncrements(turns, turns, dv))
+    rates, forces = slopes(turns), slopes(dv - 0.5 * np.cross(turns, dv))
+    lacking_turn, lacking_velocity = np.zeros((2, 5, 3))
+    for row in range(5):
+        there, pushed = (of_part(each, row - 4.0, 1.0) for each in (rates, forces))
+        lacking_turn[row] = rotation_terms(there)[0]
+        lacking_velocity[row] = velocity_terms(there, pushed)[0]
+
+    def matrices(phi: Array) -> list[Array]:
+        """Of the attitude before each interval and after the last."""
+        made = [np.eye(3)]
+        for row in phi:
+            made.append(made[-1] @ Rotation.from_rotvec(row).as_matrix())
+        return made
+
+    plain, all_corrected, told = (
+        matrices(each)[-1] for each in (turns, turns + lacking_turn, found.phi)
+    )
+    before, after = (
+        np.linalg.norm(Rotation.from_matrix(each @ all_corrected.T).as_rotvec())
+        for each in (plain, told)
+    )
+    assert after < 1e-3 * before
+    bodies = matrices(turns)[:5]
+    lost = sum(C @ v for C, v in zip(bodies, lacking_velocity, strict=True))
+    made_up = bodies[4] @ (found.dv_sf[4] - dv[4])
+    assert np.linalg.norm(made_up - lost) < 1e-3 * np.linalg.norm(lost)
 
 
 def test_a_vibration_of_a_seventeenth_of_the_update_rate_is_the_limit() -> None:

@@ -1,10 +1,15 @@
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sculler.formats.comparison import Difference, compare
+from sculler.formats.comparison import Difference, compare, difference
+from sculler.formats.vectors import VectorsWriter
 from sculler_model.design import COLUMNS, HIGH_RESOLUTION_COLUMNS
 from sculler_model.errors import InputError
+from sculler_model.fast import VectorBlock
 
 HUGE = 2**200
 
@@ -99,6 +104,88 @@ def test_files_of_other_columns_are_refused(tmp_path):
     assert compare(nine, nine) is None
     with pytest.raises(InputError, match=r"nine\.csv: 29 columns for 20 of .*six\.csv, give vect"):
         compare(six, nine)
+    with pytest.raises(InputError, match=r"six\.csv: 20 columns for 29 of .*nine\.csv, give vect"):
+        compare(nine, six)
+
+
+def test_a_file_with_channels_and_one_without_are_refused(pair):
+    """Whichever comes first, the one without is named, and the other as the one that has them."""
+    a, b = pair(rows(2), rows(2))
+    a.write_text(a.read_text().replace("\n", ",0\n").replace("_z,0\n", "_z,channel\n"))
+    for files in ((a, b), (b, a)):
+        with pytest.raises(
+            InputError, match=r"b\.csv: no column channel, which .*a\.csv has, give"
+        ):
+            compare(*files)
+
+
+def test_rows_count_on_through_blocks_of_unlike_lengths(tmp_path, monkeypatch):
+    """Of seven rows and of five; the first difference stands in a later block of both, or ends."""
+    pytest.importorskip("pyarrow")
+    monkeypatch.setattr("sculler.formats.tables.npz.BLOCK_ROWS", 7)
+    monkeypatch.setattr("sculler.formats.tables.parquet.BLOCK_ROWS", 5)
+
+    def file(name, rows):
+        with VectorsWriter(tmp_path / name, COLUMNS) as writer:
+            writer.write(VectorBlock.from_rows(rows))
+        return tmp_path / name
+
+    one = file("a.npz", rows(24))
+    assert compare(one, file("b.parquet", rows(24))) is None
+    for row in (6, 7, 13, 20, 23):
+        for step in (-1, 1):
+            changed = rows(24)
+            changed[row][5] += step
+            found = compare(one, file("c.parquet", changed))
+            assert found == Difference(row, row, COLUMNS[5], rows(24)[row][5], changed[row][5])
+    for count in (5, 7, 20, 21, 22):
+        short = file("d.parquet", rows(count))
+        assert compare(one, short) == Difference(count, count, "major", count, None)
+        assert compare(short, one) == Difference(count, count, "major", None, count)
+
+
+def test_a_difference_is_one_whichever_is_greater():
+    block = VectorBlock.from_rows(rows(6))
+    block = replace(block, times=np.arange(6.0), channels=np.arange(6) % 2)
+    for name, column in (
+        *(("major", "major"), ("status", "status")),
+        *(("channels", "channel"), ("times", "time_s")),
+    ):
+        changed = getattr(block, name).copy()
+        changed[3] += 1
+        other = replace(block, **{name: changed})
+        low, high = getattr(block, name)[3], changed[3]
+        for pair, values in (((block, other), (low, high)), ((other, block), (high, low))):
+            major = int(pair[0].major[3])
+            assert difference(*pair) == Difference(3, major, column, *values)
+            assert difference(*pair, 5) == Difference(8, major, column, *values)
+    bare = replace(block, times=None, channels=None)
+    assert difference(block, bare) is difference(bare, block) is difference(block, block) is None
+
+
+def test_where_a_block_ends_before_the_other():
+    """But for a difference before that, and in rows counted from the first one's number."""
+    block = VectorBlock.from_rows(rows(6))
+    for first in (0, 5, 7):
+        end = first + 3
+        assert difference(block, block[:3], first) == Difference(end, 3, "major", 3, None)
+        assert difference(block[:3], block, first) == Difference(end, 3, "major", None, 3)
+    assert difference(block, block[:3]).row == 3
+    changed = rows(6)
+    changed[1][2] += 1
+    found = difference(block[:3], VectorBlock.from_rows(changed))
+    assert found == Difference(1, 1, COLUMNS[2], rows(6)[1][2], changed[1][2])
+
+
+def test_wide_and_narrow_integers_are_the_same_numbers():
+    """A single row, of limbs and of 64 bits: equal where they are, in either order."""
+    narrow = [[0, 0, *range(-9, 9)]]
+    words = VectorBlock.from_rows(narrow)
+    limbs = VectorBlock.from_rows([[0, 0, *range(-9, 8), HUGE]])
+    assert difference(limbs, words) == Difference(0, 0, COLUMNS[19], HUGE, 8)
+    assert difference(words, limbs) == Difference(0, 0, COLUMNS[19], 8, HUGE)
+    two = VectorBlock.from_rows([*narrow, [1, 0, *[HUGE] * 18]])
+    assert difference(two[:1], words) is difference(words, two[:1]) is None
 
 
 def test_a_difference_in_the_last_vector(tmp_path):
