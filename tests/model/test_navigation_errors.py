@@ -430,10 +430,9 @@ def test_nothing_lies_between_two_stretches_of_a_run(step: float, offset: float)
     asked = np.concatenate([run, 2 + run])
     if step > 0.01:
         ours = [t for t in times.tolist() if -1e-9 < t < 1 + 1e-9 or 2 - 1e-9 < t < 3 + 1e-9]
-        between = 0 if offset == 0 else len(ours)
     else:
         ours = [t for t in asked.tolist() if t > offset - 1e-9]
-        between = 0 if offset == 0 else len(ours)
+    between = 0 if offset == 0 else len(ours)
     assert comparison.instants == len(ours)
     assert comparison.interpolated == between
     assert comparison.left_out.run_in_gaps == 0

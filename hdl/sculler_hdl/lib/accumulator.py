@@ -1,6 +1,7 @@
 """AccumulatorPlan over a major interval."""
 
 from collections.abc import Callable
+from functools import partial
 
 from amaranth import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
@@ -64,7 +65,8 @@ class Accumulator(wiring.Component):
         found = SkewedSignal(m, "before", Cat(*before), arrival)
         item = SkewedSignal(m, "input", self.input, plan.item_arrival)
         carry = self.carry if plan.signs else None
-        bits, limb, clock = plan.total.bits, plan.limb, plan.clock
+        add_up = partial(add, found, item, top=plan.total.bits, limb=plan.limb)
+        clock = plan.clock
 
         def at(flag: ControlDelay, first: int) -> Callable[[int], Value]:
             return lambda q: flag.at_clock(first + q)
@@ -73,27 +75,16 @@ class Accumulator(wiring.Component):
         if plan.cleared:
             last = ControlDelay(m, "last", self.last, clock, inverted=self.inverted, apart=True)
             if plan.apart:
-                going_round = add(
-                    found,
-                    item,
-                    "going",
-                    bits,
-                    clock,
-                    limb,
-                    carry=carry,
-                    step=at(step, clock),
-                    clear=at(last, clock),
-                )
-                m.d.comb += going.eq(going_round.value)
+                steps, ends = at(step, clock), at(last, clock)
+                turn = add_up(name="going", clock=clock, carry=carry, step=steps, clear=ends)
+                m.d.comb += going.eq(turn.value)
                 clock += 1
                 if carry is not None:
                     carry, early = Signal(name="carry_later", reset_less=True), carry
                     m.d.sync += carry.eq(early)
             else:
                 also = self._going(m, step, last, going)
-        made = add(
-            found, item, "total", bits, clock, limb, carry=carry, step=at(step, clock), also=also
-        )
+        made = add_up(name="total", clock=clock, carry=carry, step=at(step, clock), also=also)
         m.d.comb += [
             self.newest.eq(made.value),
             self.before.eq(found.value[: len(self.before)]),

@@ -200,15 +200,17 @@ class Steps:
                 value = self.during(steps, clock - own)
             else:
                 value = Cat(self.flag.at_clock(clock - 1 + step) for step in steps).any()
-            for left in range(max(own, 1), 0, -1):
-                register = Signal(
-                    name="_".join(filter(None, (name, near, "on_the_way" if left > 1 else ""))),
-                    attrs=APART if near else {},
-                )
-                self.m.d.sync += register.eq(value)
-                value = register
-            self._made[key] = value
+            if near:
+                name = f"{name}_{near}"
+            if own == 2:
+                value = self._held(f"{name}_on_the_way", value, apart=True)
+            self._made[key] = self._held(name, value, apart=bool(near))
         return self._made[key]
+
+    def _held(self, name: str, value: Value, *, apart: bool) -> Value:
+        register = Signal(name=name, attrs=APART if apart else {})
+        self.m.d.sync += register.eq(value)
+        return register
 
 
 class _Operands:
