@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import threading
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -40,6 +41,7 @@ def run(
     folder: Path | None = None,
     environment: Mapping[str, str] | None = None,
     given: str | None = None,
+    seconds: float | None = None,
 ) -> list[Ended]:
     """Run programs side by side to their end, each in a process group of its own.
 
@@ -50,6 +52,7 @@ def run(
         folder: to run in.
         environment: to run in; None for ours.
         given: what they read; None for nothing.
+        seconds: after which those that still run are killed; None for never.
 
     Returns:
         How each ended; stdout and stderr are one text.
@@ -80,7 +83,8 @@ def run(
                     ) from error
                 started.append(process)
                 _running.add(process)
-        said = [process.communicate(given)[0] for process in started]
+        end = None if seconds is None else time.monotonic() + seconds
+        said = [_said(process, given, end) for process in started]
         return [
             Ended(process.returncode, text) for process, text in zip(started, said, strict=True)
         ]
@@ -88,6 +92,16 @@ def run(
         for process in started:
             _end(process)
             _running.discard(process)
+
+
+def _said(process: subprocess.Popen[str], given: str | None, end: float | None) -> str:
+    """What a program said by its end; at the time `end` it is killed."""
+    try:
+        left = None if end is None else max(0.0, end - time.monotonic())
+        return process.communicate(given, left)[0]
+    except subprocess.TimeoutExpired:
+        _kill(process)
+        return process.communicate()[0]
 
 
 @contextmanager

@@ -10,7 +10,7 @@ import pytest
 from sculler.main import run_command
 from sculler_hdl import PROPERTIES, generate, properties
 from sculler_model.design import Interval
-from sculler_sim.prove import claims
+from sculler_sim.prove import claims, engine
 from sculler_sim.prove.arithmetic import narrowed, settle_arithmetic
 from sculler_sim.prove.claims import FEW_BITS, HANDSHAKE
 from sculler_sim.prove.counter import LABEL, write_counter_problem
@@ -44,6 +44,13 @@ def broken(verilog, pattern, replacement):
 
 def test_the_handshake_is_proved_for_ever(tmp_path):
     assert verdicts(SMALL, tmp_path, QUICK) == dict.fromkeys(QUICK, Verdict.PROVED)
+
+
+def test_it_is_proved_too_where_looking_for_what_is_always_equal_takes_too_long(
+    monkeypatch, tmp_path
+):
+    monkeypatch.setattr(engine, "_MERGING", 0)
+    assert verdicts(SMALL, tmp_path, ("fault_as_due",)) == {"fault_as_due": Verdict.PROVED}
 
 
 def test_what_fails_by_products_that_may_be_anything_is_tried_with_the_products(

@@ -43,8 +43,13 @@ class Tool:
                 f"{self.package} is not installed, run: pip install 'sculler[place]'"
             ) from error
 
-    def run(self, folder: Path, *arguments: str) -> tuple[int, str]:
+    def run(self, folder: Path, *arguments: str, seconds: float | None = None) -> tuple[int, str]:
         """Run it in a folder, which it sees by relative paths only.
+
+        Args:
+            folder: the folder.
+            arguments: of the command line.
+            seconds: after which it is killed; None for never.
 
         Returns:
             Exit status, and what it said on stdout and stderr.
@@ -54,7 +59,9 @@ class Tool:
         """
         self.version()
         code = f"import sys, {self.module} as m; sys.exit(m.{self.function}(sys.argv[1:]))"
-        (ended,) = processes.run([sys.executable, "-c", code, *arguments], folder=folder)
+        (ended,) = processes.run(
+            [sys.executable, "-c", code, *arguments], folder=folder, seconds=seconds
+        )
         return ended.status, ended.said
 
     def share(self, path: str) -> Path:

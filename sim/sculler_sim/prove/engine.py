@@ -41,6 +41,9 @@ _CONFLICTS = 300_000
 _FEW_LATCHES = 110
 """So few that all states that can be reached may be gathered (`reach`)."""
 
+_MERGING = 300
+"""Seconds after which it is given up to look for what is always equal (`scorr`)."""
+
 _REACH = "-B 1000000 -F 100000"
 """Nodes of a decision diagram, and clocks, after which that is given up."""
 
@@ -80,10 +83,7 @@ def prove(folder: Path, name: str, seconds: int, *, bounded: bool = True) -> Out
         ToolError: it failed.
     """
     begun = time.monotonic()
-    small = f"{name}_small"
-    _abc(folder, name, f"read_aiger {name}.aig; fold; scorr; write_aiger {small}.aig")
-    if not (folder / f"{small}.aig").is_file():
-        raise ToolError(YOSYS, "ABC wrote no circuit")
+    small = _merged(folder, name)
     if _outputs(folder / f"{small}.aig") == [0]:  # `pdr` says nothing of a constant
         return Outcome(Verdict.PROVED, 0, time.monotonic() - begun)
     verdict, clocks = Verdict.OPEN, 0
@@ -132,6 +132,20 @@ def prove_unrolled(folder: Path, name: str, clocks: int) -> Verdict:
     return next((verdict for verdict in order if verdict in found), Verdict.PROVED)
 
 
+def _merged(folder: Path, name: str) -> str:
+    """The name of a circuit in which what is always equal is one; as it was, if that takes long.
+
+    Raises:
+        ToolError: ABC wrote none.
+    """
+    small = f"{name}_small"
+    for steps, seconds in (("fold; scorr", _MERGING), ("fold", None)):
+        _abc(folder, name, f"read_aiger {name}.aig; {steps}; write_aiger {small}.aig", seconds)
+        if (folder / f"{small}.aig").is_file():
+            return small
+    raise ToolError(YOSYS, "ABC wrote no circuit")
+
+
 def _outputs(path: Path) -> list[int]:
     """What the outputs of a circuit are: 0 and 1 are constants, else a node."""
     with path.open("rb") as file:
@@ -152,11 +166,13 @@ def _run(folder: Path, name: str, command: str) -> tuple[Verdict, int]:
     return _status(folder, name)
 
 
-def _abc(folder: Path, name: str, commands: str) -> None:
+def _abc(folder: Path, name: str, commands: str, seconds: float | None = None) -> None:
     """Run commands of ABC, which have to write files: what it says is lost."""
     script = folder / f"{name}.ys"
     script.write_text(_SCRIPT.format(commands=commands), encoding="utf-8")
-    YOSYS.run(folder, "-q", script.name)  # ABC ends the whole process in its own way
+    YOSYS.run(
+        folder, "-q", script.name, seconds=seconds
+    )  # ABC ends the whole process in its own way
 
 
 def _status(folder: Path, name: str) -> tuple[Verdict, int]:
