@@ -83,6 +83,17 @@ def _claims() -> Iterator[str]:
         " once or (compact core, whose program memory is read by registers without reset) after"
         " some clocks in which no output can tell."
     )
+    yield ""
+    yield documents.paragraph(
+        "`every_number` is proved by induction where the port shows the counter itself: where"
+        " results are handed over whole and none is dropped. The model checker proves that results"
+        " are taken clocks apart; given that, in every state, reachable or not, the limbs of the"
+        " counter follow the checker's number, each a clock behind the one below, with what is"
+        " carried between them: if so in one clock, then in the next. `major_as_due` follows, for"
+        " power-up is one of those states, and has the same seconds. Where a number goes along with"
+        " its result, through a stream or past results that are dropped, both are searched from"
+        " their first states on."
+    )
 
 
 def _shapes(found: Found) -> Iterator[str]:

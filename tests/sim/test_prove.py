@@ -10,10 +10,10 @@ import pytest
 from sculler.main import run_command
 from sculler_hdl import PROPERTIES, generate, properties
 from sculler_model.design import Interval
-from sculler_sim.prove import claims, engine
+from sculler_sim.prove import claims, counter, engine
 from sculler_sim.prove.arithmetic import narrowed, settle_arithmetic
 from sculler_sim.prove.claims import FEW_BITS, HANDSHAKE
-from sculler_sim.prove.counter import LABEL, write_counter_problem
+from sculler_sim.prove.counter import settle_counter
 from sculler_sim.prove.engine import Outcome, Verdict, prove
 from sculler_sim.prove.problem import write_problems
 from sculler_sim.prove.shapes import SHAPES
@@ -130,19 +130,35 @@ def test_a_break_is_found(break_, tmp_path):
     assert verdicts(SMALL, tmp_path, [label], verilog) == {label: Verdict.REFUTED}
 
 
+def test_the_number_is_proved_from_every_value_of_its_counter(tmp_path):
+    assert settle_counter(SMALL, tmp_path, 10).verdict is Verdict.PROVED
+
+
+CUTS = {
+    "a carry": (r"^    major_carry0 <= .*;$", "    major_carry0 <= 1'h0;"),
+    "the last carry": (r"^    major_carry2 <= .*;$", "    major_carry2 <= 1'h0;"),
+    "a limb that is full": (r"^    major_full1 <= .*;$", "    major_full1 <= 1'h0;"),
+}
+
+
 @pytest.mark.deep
-def test_a_cut_carry_of_the_number_is_found(tmp_path, monkeypatch):
-    """It would show after 65,536 results."""
-    assert write_counter_problem(SMALL, tmp_path)
-    assert prove(tmp_path, LABEL, 10).verdict is Verdict.OPEN
+@pytest.mark.parametrize("cut", CUTS)
+def test_a_number_with_a_cut_carry_is_not_proved(cut, tmp_path, monkeypatch):
+    """It would show after 65,536 results, or after many more."""
     made = generate(SMALL)
-    verilog = broken(made.verilog, r"^    major_carry0 <= .*;$", "    major_carry0 <= 1'h0;")
+    verilog = broken(made.verilog, *CUTS[cut])
     monkeypatch.setattr(
         "sculler_sim.prove.problem.generate",
         lambda _: type(made)(**{**vars(made), "verilog": verilog}),
     )
-    write_counter_problem(SMALL, tmp_path)
-    assert prove(tmp_path, LABEL, SECONDS).verdict is Verdict.REFUTED
+    assert settle_counter(SMALL, tmp_path, 20).verdict is not Verdict.PROVED
+
+
+@pytest.mark.deep
+def test_a_number_of_results_that_come_too_close_is_not_proved(tmp_path, monkeypatch):
+    """The induction alone is not enough: what it goes by has to be proved, too."""
+    monkeypatch.setattr(counter, "prove", lambda *_, **__: Outcome(Verdict.OPEN, 3, 1.0))
+    assert settle_counter(SMALL, tmp_path, 1).verdict is Verdict.OPEN
 
 
 @pytest.mark.deep

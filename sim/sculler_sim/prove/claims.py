@@ -11,7 +11,7 @@ from sculler_model.design import Design
 from sculler_sim.prove.arithmetic import LABEL as ARITHMETIC
 from sculler_sim.prove.arithmetic import narrowed, settle_arithmetic
 from sculler_sim.prove.counter import LABEL as EVERY_NUMBER
-from sculler_sim.prove.counter import write_counter_problem
+from sculler_sim.prove.counter import settle_counter
 from sculler_sim.prove.engine import Outcome, Verdict, prove
 from sculler_sim.prove.problem import labels_of, write_problems
 from sculler_sim.prove.structure import Gates
@@ -31,6 +31,9 @@ CLAIMS: dict[str, str] = {
     " the interval that the design declares",
 }
 """What each claim says, by its label."""
+
+MAJOR = "major_as_due"
+"""What follows from `EVERY_NUMBER`."""
 
 FEW_RESULTS = (ARITHMETIC, WORD_LENGTHS)
 """Claims on the first results alone: left open, nothing is known."""
@@ -79,10 +82,13 @@ def settle(
     if not {"no_path", "reset"}.isdisjoint(wanted):
         yield from structural(design, folder)
     labels = [label for label in labels_of(design) if label in wanted]
+    if EVERY_NUMBER in wanted and (outcome := settle_counter(design, folder, seconds)):
+        yield EVERY_NUMBER, outcome
+        if outcome.verdict is Verdict.PROVED and MAJOR in labels:  # power-up is one of its values
+            labels.remove(MAJOR)
+            yield MAJOR, outcome
     if labels:
         write_problems(design, folder, labels)
-    if EVERY_NUMBER in wanted and write_counter_problem(design, folder):
-        labels.append(EVERY_NUMBER)
     for label in labels:
         outcome = prove(folder, label, seconds)
         if outcome.verdict is Verdict.REFUTED and label in PROPERTIES:

@@ -98,6 +98,25 @@ def prove(folder: Path, name: str, seconds: int, *, bounded: bool = True) -> Out
     return Outcome(verdict, clocks, time.monotonic() - begun)
 
 
+def prove_inductive(folder: Path, name: str) -> bool:
+    """Whether the output of NAME.aig is low at first, and low in a clock after any where it is.
+
+    States that cannot be reached count, too: what is so proved needs no search.
+
+    Args:
+        folder: where it lies.
+        name: of the file.
+
+    Raises:
+        InputError: Yosys is not installed.
+        ToolError: it failed.
+    """
+    verdict, clocks = _run(folder, name, "fold; bmc3 -F 1")
+    if verdict is Verdict.REFUTED or clocks < 0:
+        return False
+    return _run(folder, name, f"fold; ind -F 2 -C {_CONFLICTS}")[0] is Verdict.PROVED
+
+
 def prove_unrolled(folder: Path, name: str, clocks: int) -> Verdict:
     """Prove that no output of NAME.aig is high in so many clocks from power-up.
 
