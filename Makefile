@@ -127,7 +127,7 @@ mutate: $(TOOLS)
 	$(BIN)/python -m studies.mutate --write
 
 mutate-python: $(READY)
-	$(BIN)/python -m studies.mutate_python --draws 3 --write
+	$(BIN)/python -m studies.mutate_python --draws 4 --write
 
 bench: $(READY)
 	$(BIN)/python -m studies.bench

@@ -14,7 +14,7 @@ from sculler_model.outputs import make_folder
 from studies import documents
 from studies.mutate_python.subjects import DRAWS, SUBJECTS
 
-RESULTS = Path("build/mutants-python")
+RESULTS = Path("studies/mutate_python/found")
 PAGE = documents.PAGES / "mutants-python.md"
 
 

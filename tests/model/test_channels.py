@@ -55,6 +55,18 @@ def test_one_channel_is_left_unsaid():
     assert many(PLAIN, 1024).channels == 1024
 
 
+def test_a_reset_makes_every_channel_forget() -> None:
+    design = many(PLAIN, 3)
+    model, fresh = ChannelModel(design), ChannelModel(design)
+    for channel in range(3):
+        model.lose(channel)
+        model.step(channel, (5, 6, 7), (8, 9, 10), 1)
+    model.reset()
+    for channel in (0, 1, 2) * 4:
+        sample = (channel + 1, 2, 3), (4, channel, 6)
+        assert model.step(channel, *sample) == fresh.step(channel, *sample)
+
+
 @pytest.mark.parametrize(
     ("hardware", "told"),
     [

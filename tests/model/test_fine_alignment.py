@@ -145,6 +145,13 @@ def test_the_other_gyro_biases_are_found() -> None:
     assert d == pytest.approx(down, rel=2e-2, abs=0)
     assert abs(e) < 0.01 * north
     assert found.gyro_bias_sigma[0] < 0.01 * north
+    assert np.isfinite(found.gyro_bias_sigma).all()
+
+
+def test_of_east_and_down_nothing_is_said_where_nothing_is_known_of_the_biases() -> None:
+    _, inc = rest()
+    found = align_finely(inc, INTERVAL, LAT, H, SensorNoise(0.0, 0.0, None, 1e-5))
+    assert np.isfinite(found.gyro_bias_sigma).tolist() == [True, False, False]
 
 
 def test_it_knows_how_good_it_is() -> None:

@@ -204,6 +204,21 @@ def test_streaming_is_the_whole() -> None:
     assert whole.state(0) == start
 
 
+@pytest.mark.parametrize("compiled", [True, False])
+def test_compiled_code_is_asked_for_where_it_is_wanted_alone(
+    compiled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The numbers are the same, so they do not tell."""
+    asked = []
+
+    def none_there() -> None:
+        asked.append(True)
+
+    monkeypatch.setattr("sculler_model.navigation.navigator.required_run", none_there)
+    Navigator(LEVEL, 0.01).run(increments_of(at_rest(LEVEL.lat, 0.0, 0.0), 3, 0.01), compiled=compiled)
+    assert bool(asked) == compiled
+
+
 def test_another_mechanisation_takes_its_place() -> None:
     class Frozen:
         def __init__(self, state: NavState, interval: float) -> None:
