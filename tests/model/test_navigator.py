@@ -215,7 +215,8 @@ def test_compiled_code_is_asked_for_where_it_is_wanted_alone(
         asked.append(True)
 
     monkeypatch.setattr("sculler_model.navigation.navigator.required_run", none_there)
-    Navigator(LEVEL, 0.01).run(increments_of(at_rest(LEVEL.lat, 0.0, 0.0), 3, 0.01), compiled=compiled)
+    still = increments_of(at_rest(LEVEL.lat, 0.0, 0.0), 3, 0.01)
+    Navigator(LEVEL, 0.01).run(still, compiled=compiled)
     assert bool(asked) == compiled
 
 
