@@ -3,40 +3,25 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
 
 from sculler import terminal
-from sculler_sim.place.devices import DEVICES
-from sculler_sim.place.placement import Placement, place
+from sculler.words import silent
+from sculler_model.design import Design
+from sculler_sim.place.placement import Placement
 from studies import documents
+from studies.hardware.kept import Kept as KeptPlacements
 from studies.upsets import campaign, page
-from studies.upsets.shapes import MODES, placed, shapes
+from studies.upsets.kept import FILE, Count, Flips, Kept
+from studies.upsets.shapes import MODES, Place, hardened, places, shapes
 
 PAGE = "hardening.md"
 
-_PLACES = (("ecp5", "LFE5U-25F", 6), ("ice40", "iCE40UP5K", None))
-
-
-@dataclass(frozen=True)
-class Count:
-    """What came of the flips of one core.
-
-    Attributes:
-        flip_flops, memory_bits: of the core, those of words that it uses.
-        flips: how many.
-        kinds: how many of each `Outcome.kind`.
-        lasting: after which the second interval's result, or a later one, is wrong or missing.
-    """
-
-    flip_flops: int
-    memory_bits: int
-    flips: int
-    kinds: Mapping[str, int]
-    lasting: int
+PLACED = Path("studies/upsets/placed.json")
+SEEDS = (1, 2, 3)
 
 
 @click.command(
@@ -57,24 +42,32 @@ def command(folder: Path, flips: int, every_bit: bool, seed: int, only: str | No
 
     Each run turns one bit over, of a flip-flop or of a memory, after a random clock of the second
     or third major interval, and compares all results with those of the undisturbed core, which are
-    the golden model's.  It takes half an hour; with --every-bit, an hour.
+    the golden model's.  It takes half an hour; with --every-bit, an hour; and as long again to
+    place.  What came of a core is kept: only a core that has changed is run or placed again.
     """
+    chosen, kept = Flips(flips, every_bit, seed), Kept(FILE)
     counts: dict[tuple[str, str], Count] = {}
     for mode in MODES if only is None else (only,):
-        for what in shapes(mode):
-            count = counts[mode, what] = measure(mode, what, flips, every_bit, seed)
+        for what, design in shapes(mode).items():
+            count = kept.find(design, chosen)
+            if count is None:
+                count = measure(design, chosen)
+                kept.add(design, chosen, count)
+            counts[mode, what] = count
             terminal.report({}, False, f"{mode}, {what}: {count.flips} flips, {dict(count.kinds)}")
     if only is not None:
         return
-    placements = dict(placements_of())
+    placed = KeptPlacements(PLACED)
+    placements = dict(placements_of(placed))
+    placed.drop_others()
     text = "\n".join(page.page(counts, placements, "--every-bit" if every_bit else ""))
     documents.write_page(folder / PAGE, text)
 
 
-def measure(mode: str, what: str, flips: int, every_bit: bool, seed: int) -> Count:
+def measure(design: Design, flips: Flips) -> Count:
     """Turn the bits of one core over."""
-    core = campaign.prepare(shapes(mode)[what])
-    planned = campaign.plan(core, flips, every_bit=every_bit, seed=seed)
+    core = campaign.prepare(design)
+    planned = campaign.plan(core, flips.of_each, every_bit=flips.every_bit, seed=flips.seed)
     kinds: Counter[str] = Counter()
     lasting = 0
     for _, outcome in campaign.run(core, planned):
@@ -89,11 +82,14 @@ def measure(mode: str, what: str, flips: int, every_bit: bool, seed: int) -> Cou
     return Count(registers, memories, len(planned), dict(kinds), lasting)
 
 
-def placements_of() -> Iterator[tuple[tuple[str, str], Placement | None]]:
-    """The preset in each device, plain and hardened; None where it does not fit."""
-    for target, name, speed in _PLACES:
+def placements_of(
+    kept: KeptPlacements,
+) -> Iterator[tuple[tuple[Place, str], Placement | None]]:
+    """Each core in its device, plain and hardened; None where it does not fit."""
+    for one in places():
         for mode in MODES:
-            if (target, mode) == ("ice40", "recover"):  # 36 block memories of 30
-                yield (name, mode), None
+            if mode not in one.fits:
+                yield (one, mode), None
                 continue
-            yield (name, mode), place(placed(target, mode), DEVICES[name], speed)
+            design = hardened(one.design, mode)
+            yield (one, mode), kept.place(design, one.device, one.speed, SEEDS, silent)

@@ -4,31 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from importlib.resources import files
-from typing import TYPE_CHECKING
 
 from sculler_sim.place.placement import Placement
 from studies.documents import table
-from studies.upsets.shapes import MODES
-
-if TYPE_CHECKING:
-    from studies.upsets.command import Count
+from studies.upsets.kept import Count
+from studies.upsets.shapes import MODES, Place
 
 _LUTS, _RATE = 30, 5
 """Per cent of look-up tables and of the clock rate that "detect" was to cost at most."""
+
+Placements = Mapping[tuple[Place, str], Placement | None]
 
 _KINDS = ("masked", "seen", "flagged", "late", "stops", "silent", "hang")
 
 
 def page(
     counts: Mapping[tuple[str, str], Count],
-    placements: Mapping[tuple[str, str], Placement | None],
+    placements: Placements,
     option: str,
 ) -> Iterator[str]:
     """The lines of the page.
 
     Args:
         counts: what came of the flips, by mode and core.
-        placements: by device and mode.
+        placements: by core with its device, and mode.
         option: with which the memories' bits were chosen.
     """
     yield _text("about")
@@ -66,27 +65,28 @@ def _sum(rows: Mapping[str, Count]) -> list[str]:
     return [f"{sum(column):,}" for column in zip(*columns, strict=True)]
 
 
-def _area(placements: Mapping[tuple[str, str], Placement | None]) -> Iterator[str]:
+def _area(placements: Placements) -> Iterator[str]:
     yield "## What it takes"
     yield ""
     yield _text("area")
-    yield from table("llrrrrrr", _HEAD, map(list, _rows(placements)))
+    yield from table("lllrrrrrr", _HEAD, map(list, _rows(placements)))
     yield ""
     yield from _verdict(placements)
 
 
-_HEAD = ["device", "`hardening`", "LUTs", "", "flip-flops", "block RAMs", "MHz", ""]
+_HEAD = ["core", "device", "`hardening`", "LUTs", "", "flip-flops", "block RAMs", "MHz", ""]
 
 
-def _rows(placements: Mapping[tuple[str, str], Placement | None]) -> Iterator[tuple[str, ...]]:
-    for (device, mode), made in placements.items():
-        plain = placements[device, "off"]
+def _rows(placements: Placements) -> Iterator[tuple[str, ...]]:
+    for (place, mode), made in placements.items():
+        plain = placements[place, "off"]
         if made is None or plain is None:
-            yield device, mode, "does not fit", "", "", "", "", ""
+            yield place.what, place.device, mode, "does not fit", "", "", "", "", ""
             continue
         luts, rate = _more(made, plain)
         yield (
-            device,
+            place.what,
+            place.device,
             mode,
             f"{made.area.luts:,}",
             "" if made is plain else f"{luts:+.0f} %",
@@ -107,20 +107,21 @@ def _more(made: Placement, plain: Placement) -> tuple[float, float]:
     )
 
 
-def _verdict(placements: Mapping[tuple[str, str], Placement | None]) -> Iterator[str]:
+def _verdict(placements: Placements) -> Iterator[str]:
     yield from table("lll", ["asked of `detect`", "found", "reached"], _judged(placements))
     yield ""
     yield _text("why")
 
 
-def _judged(placements: Mapping[tuple[str, str], Placement | None]) -> Iterator[list[str]]:
-    for (device, mode), made in placements.items():
-        plain = placements[device, "off"]
+def _judged(placements: Placements) -> Iterator[list[str]]:
+    for (place, mode), made in placements.items():
+        plain = placements[place, "off"]
         if mode != "detect" or made is None or plain is None:
             continue
         luts, rate = _more(made, plain)
-        yield [f"{device}: <= {_LUTS} % more LUTs", f"{luts:+.0f} %", _yes(luts <= _LUTS)]
-        yield [f"{device}: <= {_RATE} % fewer MHz", f"{rate:+.0f} %", _yes(rate >= -_RATE)]
+        core = f"{place.what.partition(',')[0]}, {place.device}"
+        yield [f"{core}: <= {_LUTS} % more LUTs", f"{luts:+.0f} %", _yes(luts <= _LUTS)]
+        yield [f"{core}: <= {_RATE} % fewer MHz", f"{rate:+.0f} %", _yes(rate >= -_RATE)]
 
 
 def _yes(reached: bool) -> str:

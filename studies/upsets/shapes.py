@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 from sculler_model.design import Design
@@ -76,7 +77,40 @@ def hardened(design: Design, mode: str) -> Design:
     return Design.parse(data)
 
 
-def placed(target: str, mode: str) -> Design:
-    """The preset stim300 in the compact core of a target."""
-    hardware = {"core": "compact", "target": target, "hardening": mode}
-    return Design.parse({"preset": "stim300", "name": "stim300", "hardware": hardware})
+@dataclass(frozen=True)
+class Place:
+    """A plain core and a device that it is placed in, plain and hardened.
+
+    Attributes:
+        what: the core in words.
+        device, speed: as `find_device` takes them.
+        design: not hardened.
+        fits: the modes in which it fits into the device.
+    """
+
+    what: str
+    device: str
+    speed: int | None
+    design: Design
+    fits: tuple[str, ...] = MODES
+
+
+def places() -> tuple[Place, ...]:
+    """What is placed."""
+    ecp5, ice40 = (
+        Design.parse(
+            {
+                "preset": "stim300",
+                "name": "stim300",
+                "hardware": {"core": "compact", "target": target},
+            }
+        )
+        for target in ("ecp5", "ice40")
+    )
+    pipelined = _design("upset_18", 18, _one(4, 0, 5), core="pipelined", target="ecp5")
+    compact = "compact, preset `stim300`"
+    return (
+        Place(compact, "LFE5U-25F", 6, ecp5),
+        Place(compact, "iCE40UP5K", None, ice40, MODES[:2]),  # three have 36 block memories of 30
+        Place("pipelined, 18 bits, n = 4", "LFE5U-45F", 6, pipelined),
+    )
