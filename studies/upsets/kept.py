@@ -69,20 +69,20 @@ class Kept:
 
     def add(self, design: Design, flips: Flips, count: Count) -> None:
         """Put down what came out; the count of the same flips of an older Verilog goes."""
-        here = _place(design, flips)
-        rest = {key: one for key, one in self._counts.items() if key.rpartition(" ")[0] != here}
+        label = _label(design, flips)
+        rest = {key: one for key, one in self._counts.items() if key.rpartition(" ")[0] != label}
         self._counts = dict(sorted({**rest, _key(design, flips): count}.items()))
         with replacing(self.path) as temporary:
             temporary.write_bytes(_COUNTS.dump_json(self._counts, indent=1) + b"\n")
 
 
-def _place(design: Design, flips: Flips) -> str:
+def _label(design: Design, flips: Flips) -> str:
     """The design, and which bits are turned over."""
     bits = f"{flips.of_each} of each{', every bit' if flips.every_bit else ''}"
     return f"{design.name}, {design.hardware.hardening or 'off'}, {bits}, seed {flips.seed}"
 
 
 def _key(design: Design, flips: Flips) -> str:
-    """By which a count is found: its place, and a hash of the Verilog behind it."""
+    """By which a count is found: its label, and a hash of the Verilog."""
     verilog = "\0".join(emitted(design).values())
-    return f"{_place(design, flips)} {sha256(verilog.encode()).hexdigest()[:16]}"
+    return f"{_label(design, flips)} {sha256(verilog.encode()).hexdigest()[:16]}"

@@ -141,17 +141,30 @@ CUTS = {
 }
 
 
-@pytest.mark.deep
-@pytest.mark.parametrize("cut", CUTS)
-def test_a_number_with_a_cut_carry_is_not_proved(cut, tmp_path, monkeypatch):
-    """It would show after 65,536 results, or after many more."""
-    made = generate(SMALL)
+def settled_without(cut, name, folder, monkeypatch):
+    """What comes of the number of results with something of its counter cut."""
+    made = generate(SHAPES[name])
     verilog = broken(made.verilog, *CUTS[cut])
     monkeypatch.setattr(
         "sculler_sim.prove.problem.generate",
         lambda _: type(made)(**{**vars(made), "verilog": verilog}),
     )
-    assert settle_counter(SMALL, tmp_path, 20).verdict is not Verdict.PROVED
+    return settle_counter(SHAPES[name], folder, SECONDS).verdict
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("name", ["one_minor", "dropping_results"])
+@pytest.mark.parametrize("cut", ["a carry", "the last carry"])
+def test_a_cut_carry_of_the_number_is_found(cut, name, tmp_path, monkeypatch):
+    """It would show after 65,536 results, or after many more."""
+    assert settled_without(cut, name, tmp_path, monkeypatch) is Verdict.REFUTED
+
+
+@pytest.mark.deep
+def test_a_number_whose_limb_is_never_full_is_not_proved(tmp_path, monkeypatch):
+    """Nor is a fault found, which would take longer than is searched."""
+    cut = "a limb that is full"
+    assert settled_without(cut, "one_minor", tmp_path, monkeypatch) is not Verdict.PROVED
 
 
 @pytest.mark.deep
